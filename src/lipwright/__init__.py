@@ -1,0 +1,1 @@
+"""Speech in, natural facial animation out, on any character."""

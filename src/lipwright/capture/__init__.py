@@ -1,0 +1,1 @@
+"""Faces out of video: offline work, behind the extra `capture`."""
