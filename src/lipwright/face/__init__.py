@@ -1,0 +1,1 @@
+"""The head: its mesh, its blendshapes and its pictures."""

