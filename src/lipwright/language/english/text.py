@@ -1,0 +1,243 @@
+"""English text to words as they are spoken."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Container
+from dataclasses import dataclass
+from typing import Final
+
+from lipwright.errors import LipwrightError
+from lipwright.language.base import SpokenWord
+from lipwright.language.dictionary import Dictionary, word_key
+from lipwright.language.english import tables
+from lipwright.language.english.amounts import magnitude_words, read_amount, unit_words
+from lipwright.language.english.numbers import number
+
+_STAGE: Final = re.compile(r"\[[^\[\]]*\]")  # "[laughs]", over several lines too
+_EDGE: Final = '"()[]{}<>*_~|\\^`,;:!?'
+_SIGNS: Final = str.maketrans({
+    **dict.fromkeys("‘’‛ʼʻ`´′", "'"), **dict.fromkeys("“”„‟«»″", '"'), "⁄": "/",
+    **dict.fromkeys("‐‑‒–—―−﹣－", "-"), **dict.fromkeys("™®©", ""),
+})  # fmt: skip
+_MIXED: Final = re.compile(r"(?<=\d)(?=[¼-¾⅐-⅞])")  # between the 2 and the half of 2½
+_RUN: Final = re.compile(r"'?[A-Za-z]+(?:'[A-Za-z]+)*'?|\d[\d,]*(?:\.\d+)?|[^\sA-Za-z\d]")
+_INITIALS: Final = re.compile(r"(?:[A-Za-z]\.)+[A-Za-z]")
+_DOMAINS: Final = "com|org|net|edu|gov|int|info|io|ai|dev|app|tv|co|uk|us|eu|de|fr|se|jp|cn"
+_ADDRESS: Final = re.compile(
+    rf"(?:\w+://.+|[\w.+-]+@[\w.-]+\.\w+|(?:[\w-]+\.)+(?:{_DOMAINS})(?:[/:?#].*)?)",
+    re.ASCII | re.IGNORECASE,
+)
+_SCHEME: Final = re.compile(r"^\w+://")
+_INITIALISM: Final = 5  # letters; longer words in capitals are said as words
+_UNSPEAKABLE: Final = 4  # letters; longer ones without vowels are interjections
+
+
+@dataclass(frozen=True)
+class _Token:
+    """What stands between white space."""
+
+    written: str
+    line: int
+    column: int
+    core: str
+    """in ASCII letters and digits, without punctuation around it but for last dots"""
+
+    @property
+    def bare(self) -> str:
+        """The core without the dots at its end."""
+        return self.core.rstrip(".")
+
+
+class Reader:
+    """Turns the tokens of one text into words."""
+
+    def __init__(self, lexicon: Container[str], dictionary: Dictionary | None) -> None:
+        """The words that there are: `dictionary` before `lexicon`."""
+        self._lexicon = lexicon
+        self._dictionary = dictionary or Dictionary({})
+        self._shouting = False
+
+    def read(self, text: str, source: str) -> tuple[SpokenWord, ...]:
+        """The words of `text`, which errors call `source`.
+
+        Raises:
+            LipwrightError: there are no words, or letters that are not English.
+        """
+        tokens = self._tokens(text, source)
+        self._shouting = not any(char.islower() for token in tokens for char in token.core)
+        around = ["", *(token.bare for token in tokens), ""]
+        words = [
+            SpokenWord(word, token.written, token.line, token.column)
+            for index, token in enumerate(tokens)
+            for word in self._speak(token, around[index], around[index + 2])
+        ]
+        if not words:
+            raise LipwrightError(f"{source}: has no words; give the words that are spoken")
+        return tuple(words)
+
+    def _tokens(self, text: str, source: str) -> list[_Token]:
+        text = _STAGE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+        tokens = []
+        for line, content in enumerate(text.split("\n"), 1):
+            for found in re.finditer(r"\S+", content):
+                written, column = found[0], found.start() + 1
+                if self._own(written):
+                    core = written
+                else:
+                    core = _trim(_to_ascii(written))
+                    _check_letters(written, core, f"{source}: line {line}", column)
+                tokens.append(_Token(written, line, column, core))
+        return tokens
+
+    def _own(self, written: str) -> str | None:
+        """The token, or the word in its punctuation, as the user's dictionary has it."""
+        plain = word_key(written)
+        for word in (plain, plain.strip(_EDGE), plain.strip(_EDGE + ".'")):
+            if word in self._dictionary:
+                return word
+        return None
+
+    def _speak(self, token: _Token, before: str, after: str) -> list[str]:
+        bare = token.bare
+        if own := self._own(token.written):
+            return [own]
+        if not bare:
+            return []
+        if _ADDRESS.fullmatch(bare):
+            return self._address(bare)
+        for words in (
+            self._short(token, before, after),
+            magnitude_words(before, bare),
+            unit_words(before, bare),
+            read_amount(bare, after) if any(char.isdigit() for char in bare) else None,
+        ):
+            if words is not None:
+                return words
+        return self._runs(bare)
+
+    def _short(self, token: _Token, before: str, after: str) -> list[str] | None:
+        """The words of an abbreviation, or None."""
+        bare, dotted = token.bare, token.core != token.bare
+        lower = bare.lower()
+        if lower in ("am", "pm") and before[-1:].isdigit():
+            return list(lower)
+        if lower == "st" and before[:1].isupper() and not after[:1].isupper():
+            return ["street"]
+        if lower in tables.ABBREVIATIONS:
+            words, where = tables.ABBREVIATIONS[lower]
+            title = bare[:1].isupper() and after[:1].isupper() and not self._shouting
+            if {
+                "anywhere": True,
+                "dot": dotted,
+                "title": title or (dotted and bare[:1].isupper() and after[:1].isupper()),
+                "number": after.lstrip("#")[:1].isdigit()
+                and (dotted or lower not in self._lexicon),
+            }[where]:
+                return words.split()
+        if _INITIALS.fullmatch(bare):
+            return list(lower.replace(".", ""))
+        if bare in tables.ROMAN and before[:1].isupper() and not self._shouting:
+            return [tables.ROMAN[bare]]
+        return None
+
+    def _address(self, bare: str) -> list[str]:
+        words: list[str] = []
+        for run in _RUN.findall(_SCHEME.sub("", bare)):
+            if run[0].isdigit():
+                words += number(run)
+            elif run == "www":
+                words += "www"
+            elif run in tables.ADDRESS_SYMBOLS:
+                words += tables.ADDRESS_SYMBOLS[run].split()
+            else:
+                words += self._word(run)
+        return words
+
+    def _runs(self, bare: str) -> list[str]:
+        """The letters, numbers and signs of a token, each by itself."""
+        lower = bare.lower()
+        if "-" in lower and lower in self._lexicon:
+            parts = lower.split("-")
+            if not all(part in self._lexicon for part in parts):
+                return [lower]
+        words: list[str] = []
+        runs = _RUN.findall(bare)
+        for index, run in enumerate(runs):
+            if run[0].isdigit():
+                words += number(run.rstrip(","))
+            elif run == "#":
+                words += [_hash(runs, index)]
+            elif run[-1].isalpha() or run[0].isalpha() or run[1:]:
+                words += self._word(run)
+            else:
+                words += tables.SYMBOLS.get(run, "").split()
+        return words
+
+    def _word(self, run: str) -> list[str]:
+        """Letters, perhaps with apostrophes, as a word or letter by letter."""
+        lower = run.lower()
+        for word in (lower, lower.rstrip("'"), lower.lstrip("'"), lower.strip("'")):
+            if word in self._dictionary or word in self._lexicon:
+                return [word]
+        bare, plain = run.strip("'"), lower.strip("'")
+        ending = re.fullmatch(r"([A-Z]{2,})('?s)", bare)
+        capitals = ending[1] if ending else bare
+        if not plain.isalpha() and not ending:
+            return [plain] if plain else []
+        if 1 < len(capitals) <= _INITIALISM and capitals.isupper() and not self._shouting:
+            letters = list(capitals.lower())
+            return [*letters[:-1], letters[-1] + "'s"] if ending else letters
+        if len(plain) <= _UNSPEAKABLE and not _VOWELS & set(plain):
+            return list(plain)
+        return [plain] if plain else []
+
+
+_VOWELS: Final = frozenset("aeiouy")
+
+
+def _hash(runs: list[str], index: int) -> str:
+    """What "#" is in "#5", "C#" and "#lipsync"."""
+    if runs[index + 1 : index + 2] and runs[index + 1][0].isdigit():
+        return "number"
+    if index and len(runs[index - 1]) == 1 and runs[index - 1].isalpha():
+        return "sharp"
+    return "hashtag"
+
+
+def _to_ascii(written: str) -> str:
+    """The token with plain signs, digits and letters without accents."""
+    text = _MIXED.sub(" ", written.translate(_SIGNS))
+    text = unicodedata.normalize("NFKC", text).translate(_SIGNS).translate(tables.LETTERS)
+    text = unicodedata.normalize("NFKD", text)
+    return "".join(
+        str(unicodedata.decimal(char)) if char.isdecimal() else char
+        for char in text
+        if unicodedata.category(char) not in ("Mn", "Me", "Cf", "Cc", "Lm")
+    )
+
+
+def _trim(core: str) -> str:
+    """The token without the punctuation around it; its last dots and its sign stay."""
+    core = core.strip(_EDGE)
+    while core != (inner := core.rstrip(_EDGE)) or (core.endswith((".'", '."')) and len(core) > 1):
+        core = inner[:-1] if core == inner else inner
+    return core if re.match(r"[.'+-]*\d", core) else core.lstrip(".-")
+
+
+def _check_letters(written: str, core: str, line: str, column: int) -> None:
+    if not any(_is_foreign(char) for char in core):
+        return
+    # A letter may fall apart in normalisation; what is named is what was written.
+    first = next((i for i, char in enumerate(written) if any(map(_is_foreign, _to_ascii(char)))), 0)
+    run = written[first : first + 12]
+    foreign = "".join(char for char in run if any(map(_is_foreign, _to_ascii(char))))
+    raise LipwrightError(
+        f"{line}, column {column + first}: {foreign or run!r} is not in English letters; spell it "
+        "in them, or choose the language of the text"
+    )
+
+
+def _is_foreign(char: str) -> bool:
+    return not char.isascii() and unicodedata.category(char) in ("Lu", "Ll", "Lt", "Lo")
