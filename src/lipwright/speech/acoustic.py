@@ -1,0 +1,207 @@
+"""The acoustic model of pocketsphinx: how well each senone explains each frame.
+
+A senone is a tied state of context-dependent phones. The model is "phonetically tied": the
+senones of one base phone share a codebook of 128 Gaussians and differ in their mixture weights.
+The files are read as they lie in the wheel of pocketsphinx; their layouts are those that
+sphinxtrain writes ("s3" tables, the binary model definition, the quantised mixture weights).
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.errors import LipwrightError
+from lipwright.speech.features import N_CEPSTRA
+
+Floats = npt.NDArray[np.float32]
+Ints = npt.NDArray[np.int32]
+
+N_STATES: Final = 3  # emitting states of a phone
+N_DENSITIES: Final = 128  # Gaussians of a codebook
+PAUSE: Final = "SIL"
+NOISE: Final = "+NSN+"  # breath, smacks, knocks
+FILLERS: Final = frozenset((PAUSE, NOISE, "+SPN+"))
+_LEAST: Final = np.float32(1e-30)  # of the best density of a frame; no senone is impossible
+
+Position = Literal["inner", "first", "last", "only"]
+_POSITIONS: Final[dict[Position, int]] = {"inner": 0, "first": 1, "last": 2, "only": 3}
+
+_VARIANCE_FLOOR: Final = 1e-4  # pocketsphinx, varfloor
+_LOG_STEP: Final = 1024 * np.log(1.0001)  # nats a unit of the quantised mixture weights
+_WEIGHTS: Final = np.exp(-_LOG_STEP * np.arange(256)).astype(np.float32)
+
+
+def model_folder() -> Path | None:
+    """Where the wheel of pocketsphinx keeps the English model, or None without it."""
+    spec = find_spec("pocketsphinx")
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    folder = Path(spec.submodule_search_locations[0], "model", "en-us", "en-us")
+    return folder if (folder / "mdef").is_file() else None
+
+
+@dataclass(frozen=True, eq=False)
+class AcousticModel:
+    """The parameters of a phonetically tied model."""
+
+    base_phones: tuple[str, ...]
+    """B names; base phone b owns codebook b"""
+    triphones: Ints
+    """(4, B, B, B) row of `sequences` by position, phone, left and right phone; -1 where none"""
+    sequences: Ints
+    """(Q, 3) senones of the three states"""
+    senone_base: Ints
+    """(S,) the base phone of each senone"""
+    weights: npt.NDArray[np.uint8]
+    """(3 streams, 128, S) quantised negative logarithms of the mixture weights"""
+    gaussians: tuple[Floats, ...]
+    """for each stream (2 D + 1, 128 B): factors of x, of x squared, and the constant"""
+    transitions: Floats
+    """(B, 3, 2) log-probabilities of staying in a state and of leaving it"""
+
+    def base(self, phone: str) -> int:
+        """The index of a base phone."""
+        return self.base_phones.index(phone)
+
+    def sequence(self, phone: int, left: int, right: int, position: Position) -> int:
+        """The row of `sequences` for a phone in its context; the nearest that was trained."""
+        row = self.triphones[:, phone, left, right]
+        exact = int(row[_POSITIONS[position]])
+        if exact >= 0:
+            return exact
+        known = row[row >= 0]
+        return int(known[0]) if len(known) else phone
+
+    def score(self, features: Floats, senones: npt.NDArray[np.integer]) -> Floats:
+        """(T, len(senones)) log-likelihoods of `features` (T, 39)."""
+        likelihoods = np.zeros((len(features), len(senones)), np.float32)
+        bases = self.senone_base[senones]
+        groups = [(base, np.flatnonzero(bases == base)) for base in np.unique(bases)]
+        n_bases = len(self.base_phones)
+        for stream, gaussians in enumerate(self.gaussians):
+            x = features[:, stream * N_CEPSTRA : (stream + 1) * N_CEPSTRA]
+            terms = np.concatenate([x, x * x, np.ones((len(x), 1), np.float32)], axis=1)
+            density = terms @ gaussians
+            peak = density.max(axis=1, keepdims=True)  # (T, 1)
+            density -= peak
+            np.exp(density, out=density)
+            density = density.reshape(len(x), n_bases, N_DENSITIES)
+            mixture = _WEIGHTS[self.weights[stream][:, senones]]
+            total = np.empty_like(likelihoods)
+            for base, columns in groups:
+                total[:, columns] = density[:, base] @ mixture[:, columns]
+            likelihoods += np.log(total + _LEAST) + peak
+        return likelihoods
+
+
+def _read_s3(path: Path) -> tuple[tuple[int, ...], Floats]:
+    data = path.read_bytes()
+    start = data.index(b"endhdr\n") + 7
+    if struct.unpack_from("<I", data, start)[0] != 0x11223344:
+        raise ValueError("unexpected byte order")
+    # Integers are small, so the first 4 bytes of the values never look like a size.
+    if path.name == "transition_matrices":
+        sizes = struct.unpack_from("<4i", data, start + 4)
+        return sizes[:3], np.frombuffer(data, "<f4", sizes[3], start + 20)
+    n_codebooks, n_streams, n_densities = struct.unpack_from("<3i", data, start + 4)
+    lengths = struct.unpack_from(f"<{n_streams}i", data, start + 16)
+    (count,) = struct.unpack_from("<i", data, start + 16 + 4 * n_streams)
+    values = np.frombuffer(data, "<f4", count, start + 20 + 4 * n_streams)
+    return (n_codebooks, n_streams, n_densities, *lengths), values
+
+
+def _read_gaussians(folder: Path) -> tuple[Floats, ...]:
+    shape, means = _read_s3(folder / "means")
+    _, variances = _read_s3(folder / "variances")
+    if shape != (shape[0], 3, 128, 13, 13, 13):
+        raise ValueError(f"unexpected shape {shape}")
+    mean = means.reshape(shape[0], 3, 128, 13).astype(np.float64)
+    variance = np.maximum(variances.reshape(mean.shape), _VARIANCE_FLOOR).astype(np.float64)
+    constant = -0.5 * (np.log(2 * np.pi * variance) + mean**2 / variance).sum(-1, keepdims=True)
+    table = np.concatenate([mean / variance, -0.5 / variance, constant], axis=-1)
+    return tuple(
+        np.ascontiguousarray(table[:, stream].reshape(-1, table.shape[-1]).T, np.float32)
+        for stream in range(3)
+    )
+
+
+def _read_transitions(folder: Path) -> Floats:
+    sizes, values = _read_s3(folder / "transition_matrices")
+    table = values.reshape(sizes)  # (B, from 3, to 4)
+    table = table / table.sum(-1, keepdims=True)
+    stay = table[:, range(3), range(3)]
+    leave = table[:, range(3), range(1, 4)]
+    return np.log(np.stack([stay, leave], axis=-1)).astype(np.float32)
+
+
+def _read_weights(folder: Path, n_senones: int) -> npt.NDArray[np.uint8]:
+    path = folder / "sendump"
+    with path.open("rb") as file:
+        while length := struct.unpack("<i", file.read(4))[0]:
+            file.seek(length, 1)
+        n_densities, count = struct.unpack("<2i", file.read(8))
+        start = file.tell()
+    if (n_densities, count) != (128, n_senones):
+        raise ValueError(f"unexpected shape {(n_densities, count)}")
+    return np.memmap(path, np.uint8, "r", start, (3, n_densities, n_senones))
+
+
+def _read_definition(folder: Path) -> tuple[tuple[str, ...], Ints, Ints, Ints]:
+    data = (folder / "mdef").read_bytes()
+    if data[:4] != b"BMDF":
+        raise ValueError("not a binary model definition")
+    start = 12 + struct.unpack_from("<i", data, 8)[0]
+    sizes = struct.unpack_from("<10i", data, start)
+    n_base, n_phones, _, _, n_senones, _, n_sequences, _, n_tree, _ = sizes
+    names_end = start + 40
+    names = []
+    for _ in range(n_base):
+        stop = data.index(b"\0", names_end)
+        names.append(data[names_end:stop].decode("ascii"))
+        names_end = stop + 1
+    phones_start = start + 40 + -(-(names_end - start - 40) // 4) * 4 + 8 * n_tree
+    rows = np.frombuffer(data, "<i4", 3 * n_phones, phones_start).reshape(-1, 3)
+    context = rows[n_base:, 2:].copy().view(np.int8)  # position, phone, left, right
+    sequences = np.frombuffer(data, "<i2", 3 * n_sequences, phones_start + 12 * n_phones + 4)
+    sequences = sequences.reshape(-1, 3).astype(np.int32)
+    triphones = np.full((4, n_base, n_base, n_base), -1, np.int32)
+    triphones[tuple(context.T.astype(np.intp))] = rows[n_base:, 0]
+    senone_base = np.zeros(n_senones, np.int32)
+    senone_base[sequences[rows[n_base:, 0]]] = context[:, 1:2]
+    senone_base[sequences[rows[:n_base, 0]]] = np.arange(n_base)[:, None]
+    if not np.array_equal(rows[:n_base, 0], np.arange(n_base)):
+        raise ValueError("base phones do not come first")
+    return tuple(names), triphones, sequences, senone_base
+
+
+@lru_cache(maxsize=1)
+def load_model() -> AcousticModel:
+    """The English model.
+
+    Raises:
+        LipwrightError: pocketsphinx is missing, or its model is not the one that we know.
+    """
+    folder = model_folder()
+    if folder is None:
+        raise LipwrightError(
+            "pocketsphinx is not installed; run: pip install 'pocketsphinx>=5.1.1'"
+        )
+    try:
+        names, triphones, sequences, senone_base = _read_definition(folder)
+        return AcousticModel(
+            names, triphones, sequences, senone_base, _read_weights(folder, len(senone_base)),
+            _read_gaussians(folder), _read_transitions(folder),
+        )  # fmt: skip
+    except (OSError, ValueError, IndexError, struct.error) as error:
+        raise LipwrightError(
+            f"{folder}: not the model of pocketsphinx 5.1: {error}; "
+            "run: pip install --force-reinstall 'pocketsphinx>=5.1.1'"
+        ) from error
