@@ -1,0 +1,145 @@
+"""The GRID recordings as the benchmarks use them: words, splits, tracked lips, aligned phones.
+
+Tracked landmarks and aligned phones are kept in `bench/cache`, since tracking all 880 videos
+takes a quarter of an hour.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.evaluate.lips import Aperture, video_times
+from lipwright.track import PhoneTrack
+
+CORPORA = Path(__file__).resolve().parents[2] / "shared" / "corpora"
+CACHE = Path(__file__).resolve().parent / "cache"
+
+COMMANDS = {"b": "bin", "l": "lay", "p": "place", "s": "set"}
+COLOURS = {"b": "blue", "g": "green", "r": "red", "w": "white"}
+PREPOSITIONS = {"a": "at", "b": "by", "i": "in", "w": "with"}
+DIGITS = dict(
+    zip("z123456789", "zero one two three four five six seven eight nine".split(), strict=True)
+)
+ADVERBS = {"a": "again", "n": "now", "p": "please", "s": "soon"}
+
+TEST = VALIDATION = 50  # sentences, DESIGN.md
+
+# Landmarks of the tracker, on the inner lips (upper, lower), the corners of the eyes, of the mouth.
+LIP_PAIRS = ((13, 14), (82, 87), (312, 317))
+EYES = ((33, 133), (362, 263))
+MOUTH = (61, 291)
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """One of the recordings."""
+
+    name: str
+    root: Path
+
+    @property
+    def text(self) -> str:
+        """The words; the letter in capitals, as a letter's name."""
+        command, colour, preposition, letter, digit, adverb = self.name
+        return " ".join(
+            (COMMANDS[command], COLOURS[colour], PREPOSITIONS[preposition], letter.upper(),
+             DIGITS[digit], ADVERBS[adverb])
+        )  # fmt: skip
+
+    @property
+    def audio(self) -> Path:
+        """The sound, 16 kHz."""
+        return self.root / "audio" / f"{self.name}.flac"
+
+    @property
+    def video(self) -> Path:
+        """The picture, 25 fps, without sound."""
+        return self.root / "video" / f"{self.name}.mp4"
+
+    @cached_property
+    def landmarks(self) -> npt.NDArray[np.float32]:
+        """(T, 478, 3), pixels; tracked once and kept."""
+        path = CACHE / "landmarks" / f"{self.name}.npz"
+        if not path.exists():
+            from lipwright.files import write_whole
+
+            path.parent.mkdir(parents=True, exist_ok=True)
+            points = _tracker().track_video(self.video).points
+            with write_whole(path) as part:
+                np.savez_compressed(part, points=points)
+        with np.load(path) as data:
+            return np.asarray(data["points"])
+
+    @cached_property
+    def eyes(self) -> npt.NDArray[np.float64]:
+        """(T,), the distance between the eyes' centres in pixels."""
+        points = self.landmarks[..., :2].astype(float)
+        left, right = (points[:, list(pair)].mean(1) for pair in EYES)
+        return np.asarray(np.linalg.norm(left - right, axis=-1))
+
+    @property
+    def aperture(self) -> Aperture:
+        """The real lips' aperture."""
+        points = self.landmarks[..., :2].astype(float)
+        gaps = [np.linalg.norm(points[:, a] - points[:, b], axis=-1) for a, b in LIP_PAIRS]
+        return Aperture(video_times(len(points), 25), np.mean(gaps, axis=0) / self.eyes)
+
+    @property
+    def mouth_width(self) -> npt.NDArray[np.float64]:
+        """(T,), the distance of the mouth's corners over that of the eyes."""
+        points = self.landmarks[..., :2].astype(float)
+        return np.asarray(
+            np.linalg.norm(points[:, MOUTH[0]] - points[:, MOUTH[1]], axis=-1) / self.eyes
+        )
+
+    @cached_property
+    def track(self) -> PhoneTrack:
+        """The aligned phones; aligned once and kept."""
+        from lipwright.formats import read_track, write_track
+
+        path = CACHE / "phones" / f"{self.name}.TextGrid"
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_track(path, self.align())
+        return read_track(path)
+
+    def align(self) -> PhoneTrack:
+        """Align now, whatever is kept."""
+        from lipwright.pipeline import align_speech
+
+        return align_speech(self.audio, self.text).track
+
+
+_TRACKERS: list[object] = []
+
+
+def _tracker():  # type: ignore[no-untyped-def]
+    from lipwright.capture.tracker import Tracker
+
+    if not _TRACKERS:
+        _TRACKERS.append(Tracker())
+    return _TRACKERS[0]
+
+
+def split_order(name: str) -> str:
+    """The key that sorts sentences into the splits of DESIGN.md."""
+    return hashlib.sha256(f"lipwright-split:{name}".encode()).hexdigest()
+
+
+def sentences(split: str = "all", corpora: Path = CORPORA) -> list[Sentence]:
+    """The sentences of a split: all, test, validation or train; in the split's order."""
+    root = corpora / "grid-s1"
+    names = sorted((path.stem for path in (root / "video").glob("*.mp4")), key=split_order)
+    bounds = {
+        "all": slice(None),
+        "test": slice(TEST),
+        "validation": slice(TEST, TEST + VALIDATION),
+        "train": slice(TEST + VALIDATION, None),
+    }
+    return [Sentence(name, root) for name in names[bounds[split]]]

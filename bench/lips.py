@@ -1,0 +1,133 @@
+"""How well animated lips follow the real lips of GRID speaker 1, on two heads.
+
+    python bench/lips.py                    # the 50 test sentences, dominance and OpenFaceFX
+    python bench/lips.py --split all        # all 880 sentences; closures and failures
+    python bench/lips.py --fresh            # align anew instead of using kept phones
+
+Every sentence is aligned, animated by each engine from the same phone times, posed on each head,
+and its aperture compared with the tracked lips of the video (`lipwright.evaluate.lips` defines
+the figures). Needs the extra `bench` and `lipwright head install`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from grid import CORPORA, Sentence, sentences
+from heads import rulers
+
+from lipwright.clip import Clip
+from lipwright.errors import LipwrightError
+from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
+from lipwright.files import write_whole
+from lipwright.formats import write_track
+from lipwright.track import PhoneTrack
+
+FPS = 60.0
+
+Animator = Callable[[PhoneTrack], Clip]
+
+
+def ours(engine: str) -> Animator:
+    """One of our engines, with the passes that `lipwright animate` applies."""
+    from lipwright.pipeline import AnimateOptions, animate_track
+
+    return lambda track: animate_track(track, AnimateOptions(engine=engine, fps=FPS))
+
+
+def openfacefx(track: PhoneTrack) -> Clip:
+    """The peer, from the same phone times: `openfacefx mfa --textgrid X --retarget arkit`."""
+    with tempfile.TemporaryDirectory() as folder:
+        grid, out = Path(folder) / "phones.TextGrid", Path(folder) / "out.json"
+        write_track(grid, track)
+        subprocess.run(
+            [sys.executable, "-m", "openfacefx", "mfa", "--textgrid", str(grid),
+             "--retarget", "arkit", "--fps", str(FPS), "-o", str(out)],
+            check=True, capture_output=True,
+        )  # fmt: skip
+        return read_openfacefx(json.loads(out.read_text()), track.end)
+
+
+def read_openfacefx(data: dict, duration: float) -> Clip:  # type: ignore[type-arg]
+    """Its JSON track: channels of keys, linear between them."""
+    from lipwright.clip import frame_times
+
+    times = frame_times(duration, FPS)
+    names, values = [], []
+    for channel in data["channels"]:
+        keys = sorted((float(time), float(value)) for time, value in channel["keys"])
+        if keys:
+            names.append(channel["name"])
+            values.append(np.interp(times, [t for t, _ in keys], [v for _, v in keys]))
+    return Clip(tuple(names), FPS, np.stack(values, axis=1))
+
+
+ANIMATORS = {"openfacefx": lambda: openfacefx}
+
+
+def animator(name: str) -> Animator:
+    """An engine or a peer by name."""
+    return ANIMATORS[name]() if name in ANIMATORS else ours(name)
+
+
+def score(sentence: Sentence, track: PhoneTrack, clip: Clip, heads: dict) -> dict[str, LipScore]:  # type: ignore[type-arg]
+    """Head to figures."""
+    reference = sentence.aperture
+    return {
+        head: evaluate(reference, Aperture(clip.times, measure(clip)), track)
+        for head, measure in heads.items()
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--split", default="test", choices=["all", "test", "validation", "train"])
+    parser.add_argument("--first", type=int, help="only the first N sentences of the split")
+    parser.add_argument("--engines", nargs="+", default=["dominance", "openfacefx"])
+    parser.add_argument("--corpora", type=Path, default=CORPORA)
+    parser.add_argument("--fresh", action="store_true", help="align anew; count failures")
+    parser.add_argument("--json", type=Path, help="also write the figures to this file")
+    options = parser.parse_args()
+    heads = rulers(options.corpora)
+    chosen = sentences(options.split, options.corpora)[: options.first]
+    failures: list[str] = []
+    tracks: dict[str, PhoneTrack] = {}
+    for sentence in chosen:
+        try:
+            tracks[sentence.name] = sentence.align() if options.fresh else sentence.track
+        except LipwrightError as error:
+            failures.append(f"{sentence.name}: {error}")
+    figures: dict[str, dict[str, dict[str, float]]] = {}
+    for engine in options.engines:
+        animate = animator(engine)
+        scores: dict[str, list[LipScore]] = {head: [] for head in heads}
+        for sentence in chosen:
+            if sentence.name in tracks:
+                track = tracks[sentence.name]
+                for head, value in score(sentence, track, animate(track), heads).items():
+                    scores[head].append(value)
+        figures[engine] = {head: pool(values) for head, values in scores.items()}
+    print(f"{len(chosen)} sentences ({options.split}), {len(failures)} failed to align")
+    for line in failures:
+        print("  " + line)
+    head_line = ("r", "r_median", "r_best_lag", "lag_ms", "closures", "closures_real",
+                 "false_closures_per_s", "silence")  # fmt: skip
+    print(f"{'engine':12} {'head':11}", *(f"{name[:14]:>14}" for name in head_line))
+    for engine, by_head in figures.items():
+        for head, row in by_head.items():
+            print(f"{engine:12} {head:11}", *(f"{row[name]:14.3f}" for name in head_line))
+    if options.json:
+        with write_whole(options.json) as part:
+            part.write_text(json.dumps({"failures": failures, "figures": figures}, indent=1))
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()

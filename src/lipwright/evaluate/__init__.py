@@ -1,0 +1,1 @@
+"""Values against values: how well a predicted face follows a real one."""

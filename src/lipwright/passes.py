@@ -1,0 +1,332 @@
+"""Passes: Clip to Clip, knowing what is said when. A list of callables that users can reorder.
+
+    clip = apply_passes(clip, track, [intensity(1.2), smooth(), silence(), consonants()])
+
+Each maker returns a `Pass`; `default_passes` is the list that `animate` uses. Their order matters:
+what comes later wins, so closures come after everything that could open the lips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.clip import Clip
+from lipwright.controls import CANONICAL, GROUPS
+from lipwright.errors import LipwrightError
+from lipwright.phones import SILENCE
+from lipwright.track import PhoneTrack
+
+Floats = npt.NDArray[np.float64]
+
+Pass = Callable[[Clip, PhoneTrack], Clip]
+
+MAX_INTENSITY = 3.0
+SPEED_LIMIT = 15.0  # a second, full ranges; Xu et al. 2013, section 2.2.5
+SMOOTHING = 0.012  # s, standard deviation; removes corners, keeps an 80 ms closure
+SPEECH_LEAD = 0.12  # s before the first sound in which the mouth begins to open
+SPEECH_TAIL = 0.16  # s after the last sound by which it is shut
+
+
+def apply_passes(clip: Clip, track: PhoneTrack, passes: Iterable[Pass]) -> Clip:
+    """The clip after each pass in turn."""
+    for step in passes:
+        clip = step(clip, track)
+    return clip
+
+
+def default_passes(amount: float = 1.0) -> list[Pass]:
+    """What `animate` applies to every engine's clip; `amount` is the intensity."""
+    return [intensity(amount), smooth(), silence(), consonants(), speed_limit(), limit()]
+
+
+# --- ease curves ---
+
+
+def _ease_table(first: float, second: float) -> tuple[Floats, Floats]:
+    t = np.linspace(0, 1, 257)
+    x = 3 * first * (1 - t) ** 2 * t + 3 * second * (1 - t) * t**2 + t**3
+    y = 3 * (1 - t) * t**2 + t**3
+    return x, y
+
+
+_EASE = _ease_table(0.5, 0.5)
+
+
+def ease(x: npt.ArrayLike) -> Floats:
+    """The thesis's cubic Bezier from (0, 0) to (1, 1), flat at both ends (section 4.6.5)."""
+    return np.interp(np.asarray(x, np.float64), *_EASE)
+
+
+# --- intensity ---
+
+
+def intensity(amount: float) -> Pass:
+    """Scale the motion of jaw and lips: 0.5 mumbles, 1 changes nothing, 1.5 over-articulates.
+
+    What would pass the full range bends towards it instead of being cut off. Closures and the
+    tongue are made by later passes and stay as they are.
+
+    Raises:
+        LipwrightError: the amount is not from 0 to 3.
+    """
+    if not 0 <= amount <= MAX_INTENSITY:
+        raise LipwrightError(f"intensity is {amount}; give a number from 0 to {MAX_INTENSITY:.0f}")
+
+    def scale(clip: Clip, track: PhoneTrack) -> Clip:
+        del track
+        if amount == 1:
+            return clip
+        values = clip.values.copy()
+        columns = [clip.column(n) for n in GROUPS["jaw"] + GROUPS["lips"] if n in clip.names]
+        values[:, columns] = soft_ceiling(amount * values[:, columns])
+        return clip.with_values(values)
+
+    return scale
+
+
+def soft_ceiling(values: npt.NDArray[np.float32], knee: float = 0.8) -> npt.NDArray[np.float32]:
+    """Values up to `knee` as they are; above it they approach 1 and never pass it."""
+    room = 1 - knee
+    over = np.maximum(values - knee, 0)
+    bent = knee + room * (1 - np.exp(-over / room))
+    return np.where(values > knee, bent, values).astype(np.float32)
+
+
+# --- smoothing ---
+
+
+def smooth(sigma: float = SMOOTHING) -> Pass:
+    """Smooth every control with a Gaussian of `sigma` s around each frame: nothing is delayed.
+
+    Raises:
+        LipwrightError: sigma is negative.
+    """
+    if sigma < 0:
+        raise LipwrightError(f"smoothing is {sigma} s; give 0 or more")
+
+    def filtered(clip: Clip, track: PhoneTrack) -> Clip:
+        del track
+        reach = round(3 * sigma * clip.fps)
+        if reach == 0:
+            return clip
+        steps = np.arange(-reach, reach + 1) / (sigma * clip.fps)
+        weights = np.exp(-(steps**2) / 2)
+        weights /= weights.sum()
+        padded = np.pad(clip.values.astype(np.float64), ((reach, reach), (0, 0)), mode="edge")
+        moving = np.flatnonzero(np.ptp(clip.values, axis=0) > 0)
+        values = clip.values.copy()
+        for column in moving:
+            values[:, column] = np.convolve(padded[:, column], weights, mode="valid")
+        return clip.with_values(values)
+
+    return filtered
+
+
+# --- silence ---
+
+
+def speech_share(
+    track: PhoneTrack, times: Floats, lead: float = SPEECH_LEAD, tail: float = SPEECH_TAIL
+) -> Floats:
+    """(T,), 1 in speech, 0 deep in silence, eased over `lead` s before and `tail` s after."""
+    share = np.ones(len(times))
+    last = len(track) - 1
+    for index, (phone, start, end) in enumerate(track):
+        if phone != SILENCE:
+            continue
+        first, stop = np.searchsorted(times, (start, end), side="left")
+        if index == last:
+            stop = len(times)
+        inside = times[first:stop]
+        after = ease(1 - (inside - start) / tail) if index > 0 else np.zeros(len(inside))
+        before = ease(1 - (end - inside) / lead) if index < last else np.zeros(len(inside))
+        share[first:stop] = np.maximum(after, before)
+    share[times < track.start - 1e-9] = 0
+    return share
+
+
+def silence(lead: float = SPEECH_LEAD, tail: float = SPEECH_TAIL) -> Pass:
+    """Bring jaw, lips and tongue to rest where nothing is said.
+
+    A pause shorter than `lead` + `tail` s closes the mouth only in part.
+    """
+
+    def hush(clip: Clip, track: PhoneTrack) -> Clip:
+        share = speech_share(track, clip.times, lead, tail).astype(np.float32)
+        names = GROUPS["jaw"] + GROUPS["lips"] + GROUPS["tongue"]
+        return clip.with_curves({n: clip.curve(n) * share for n in names if n in clip.names})
+
+    return hush
+
+
+# --- consonants ---
+
+Mode = Literal["to", "at_least", "at_most"]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What a sound must look like, laid over the motion while it is said."""
+
+    phones: tuple[str, ...]
+    example: str
+    controls: Mapping[str, tuple[Mode, float]]
+    """control (without a side: both sides) to what it must be at full strength"""
+    full: tuple[float, float] = (0.2, 0.6)
+    """shares of the phone between which the requirement holds in full"""
+    fade_in: float = 1.0
+    """phone lengths in which it fades in before that"""
+    fade_out: float = 1.0
+    """phone lengths in which it fades out after that"""
+    longest: float = 1.0
+    """s; of a longer phone only so much counts: its beginning, or its end after a pause"""
+
+
+MAX_FADE = 0.09  # s; a long phone, as after a pause, is not closed earlier than a short one
+SHUT_JAW = 0.05  # jawOpen that closed lips keep, cancelled by mouthClose
+
+
+# The lips touch: the jaw is nearly up, and what it leaves open is closed.
+SHUT: Final[Mapping[str, tuple[Mode, float]]] = MappingProxyType({
+    "jawOpen": ("to", SHUT_JAW), "mouthClose": ("to", SHUT_JAW), "mouthPress": ("to", 0.25),
+    "mouthLowerDown": ("to", 0.0), "mouthUpperUp": ("to", 0.0), "mouthFunnel": ("to", 0.0),
+    "mouthRollLower": ("to", 0.0), "mouthShrugUpper": ("to", 0.0), "tongueOut": ("to", 0.0),
+})  # fmt: skip
+
+# In the order in which they are laid on: where two meet, the later wins, as lips must close even
+# between rounded vowels (the order of priorities in Xu et al. 2013, section 2.2.4).
+REQUIREMENTS: Final[tuple[Requirement, ...]] = (
+    Requirement(("T", "D", "N", "EN", "DX", "NX"), "Ten",
+                {"tongueRaise": ("at_least", 0.95)}),
+    Requirement(("L", "EL"), "Lid",
+                {"tongueRaise": ("at_least", 0.9)}),
+    Requirement(("K", "G", "NG", "ENG"), "Kit", {"tongueBack": ("at_least", 0.95)}),
+    Requirement(("TH", "DH"), "THin",
+                {"tonguePress": ("at_least", 0.95), "tongueOut": ("at_least", 0.08),
+                 "jawOpen": ("at_least", 0.04), "mouthLowerDown": ("at_least", 0.1)}),
+    Requirement(("SH", "ZH", "CH", "JH"), "SHe", {"mouthFunnel": ("at_least", 0.35)}),
+    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.45)}),
+    Requirement(("OW", "AO", "OY"), "gO",
+                {"mouthFunnel": ("at_least", 0.2), "mouthPucker": ("at_least", 0.2)}),
+    Requirement(("W", "WH"), "With",
+                {"mouthPucker": ("at_least", 0.6), "jawOpen": ("at_most", 0.08)}),
+    Requirement(("F", "V"), "Fork",
+                {"jawOpen": ("at_most", 0.08), "mouthRollLower": ("to", 0.4),
+                 "mouthUpperUp": ("at_least", 0.3), "mouthLowerDown": ("at_most", 0.0),
+                 "mouthFunnel": ("at_most", 0.1)}),
+    Requirement(("M", "EM"), "Mat", SHUT, (0.3, 0.75), 0.6, 0.6),
+    Requirement(("P", "B"), "Put", SHUT, (0.3, 0.5), 0.5, 0.5, longest=0.1),
+)  # fmt: skip
+
+
+def strength(
+    requirement: Requirement, start: float, end: float, times: Floats, after_pause: bool = False
+) -> Floats:
+    """(T,), how far a requirement holds for a phone from `start` to `end` s; 0 to 1."""
+    length = min(end - start, requirement.longest)
+    if after_pause:
+        start = end - length
+    fade_in = min(requirement.fade_in * length, MAX_FADE)
+    fade_out = min(requirement.fade_out * length, MAX_FADE)
+    first, last = (start + share * length for share in requirement.full)
+    return np.minimum(ease((times - first + fade_in) / fade_in),
+                      ease((last + fade_out - times) / fade_out))  # fmt: skip
+
+
+def _sides(name: str) -> tuple[str, ...]:
+    return (name,) if name in CANONICAL else (f"{name}Left", f"{name}Right")
+
+
+_TARGETS: Final[Mapping[Mode, Callable[[Floats, float], Floats]]] = {
+    "to": lambda base, value: np.full_like(base, value),
+    "at_least": np.maximum,
+    "at_most": np.minimum,
+}
+
+
+def consonants(requirements: Sequence[Requirement] = REQUIREMENTS) -> Pass:
+    """Lay every sound's requirements over the motion, eased in and out around it."""
+    wanted: dict[str, list[Requirement]] = {}
+    for requirement in requirements:
+        for phone in requirement.phones:
+            wanted.setdefault(phone, []).append(requirement)
+    order = {id(requirement): place for place, requirement in enumerate(requirements)}
+
+    def overlay(clip: Clip, track: PhoneTrack) -> Clip:
+        values = clip.values.astype(np.float64)
+        jobs = [
+            (order[id(requirement)], index, requirement)
+            for index, phone in enumerate(track.phones)
+            for requirement in wanted.get(phone, ())
+        ]
+        for _, index, requirement in sorted(jobs, key=lambda job: job[:2]):
+            start, end = track.edges[index], track.edges[index + 1]
+            first, stop = np.searchsorted(clip.times, (start - MAX_FADE, end + MAX_FADE))
+            after_pause = index > 0 and track.phones[index - 1] == SILENCE
+            weight = strength(requirement, start, end, clip.times[first:stop], after_pause)
+            for control, (mode, value) in requirement.controls.items():
+                for name in _sides(control):
+                    if name in clip.names:
+                        column = values[first:stop, clip.column(name)]
+                        column += weight * (_TARGETS[mode](column, value) - column)
+        return clip.with_values(values)
+
+    return overlay
+
+
+# --- limits ---
+
+# Controls that shut the mouth: where they must slow down, they start earlier rather than reach
+# less, or a closure would be lost.
+CLOSERS: Final = frozenset(
+    ("mouthClose", "mouthPressLeft", "mouthPressRight", "mouthRollLower", "mouthRollUpper")
+)
+
+
+def speed_limit(per_second: float = SPEED_LIMIT) -> Pass:
+    """Let no control change faster than `per_second` full ranges a second.
+
+    Peaks of controls that open the face are lowered, peaks of those that close it are widened;
+    neither is delayed.
+
+    Raises:
+        LipwrightError: the limit is not above 0.
+    """
+    if per_second <= 0:
+        raise LipwrightError(f"the speed limit is {per_second}; give a number above 0")
+
+    def slow(clip: Clip, track: PhoneTrack) -> Clip:
+        del track
+        step = per_second / clip.fps
+        values = clip.values.astype(np.float64)
+        fast = np.flatnonzero(np.abs(np.diff(values, axis=0)).max(axis=0, initial=0) > step)
+        for column in fast:
+            sign = -1.0 if clip.names[column] in CLOSERS else 1.0
+            values[:, column] = sign * _lipschitz_below(sign * values[:, column], step)
+        return clip.with_values(values)
+
+    return slow
+
+
+def _lipschitz_below(curve: Floats, step: float) -> Floats:
+    """The highest curve under `curve` that changes by at most `step` a frame."""
+    ramp = step * np.arange(len(curve))
+    forward = np.minimum.accumulate(curve - ramp) + ramp
+    reverse = np.minimum.accumulate((curve - ramp[::-1])[::-1])[::-1] + ramp[::-1]
+    return np.minimum(forward, reverse)
+
+
+def limit(low: float = 0.0, high: float = 1.0) -> Pass:
+    """Keep every control within its range."""
+
+    def bounded(clip: Clip, track: PhoneTrack) -> Clip:
+        del track
+        return clip.with_values(np.clip(clip.values, low, high))
+
+    return bounded

@@ -1,0 +1,187 @@
+"""From speech to motion: the column of verbs.
+
+    audio, words -> align -> track -> engine -> clip -> passes -> rig -> performance
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lipwright.audio import AudioFile, Sound, open_audio
+from lipwright.clip import MAX_FPS, Clip
+from lipwright.engines import DEFAULT, get_engine
+from lipwright.errors import LipwrightError
+from lipwright.export.performance import Performance
+from lipwright.formats import read_track
+from lipwright.language import get_language, read_dictionary
+from lipwright.passes import Pass, apply_passes, default_passes
+from lipwright.rig import canonical_rig
+from lipwright.speech import Alignment, align
+from lipwright.track import PhoneTrack
+
+PathLike = str | os.PathLike[str]
+Report = Callable[[str, float], None]
+"""called with the stage's name and the share of it that is done, 0 to 1"""
+
+ALIGNMENT_RATE = 16000  # Hz, what the aligner hears
+
+
+@dataclass(frozen=True)
+class AlignOptions:
+    """How words are put on the sound."""
+
+    language: str = "en"
+    dictionary: PathLike | None = None
+    """a file of pronunciations that override the lexicon"""
+    aligner: str = "sphinx"
+
+
+@dataclass(frozen=True)
+class AnimateOptions:
+    """How phones become motion.
+
+    Raises:
+        LipwrightError: fps or intensity out of range.
+    """
+
+    engine: str = DEFAULT
+    fps: float = 60.0
+    """frames a second, above 0 and at most 1000"""
+    intensity: float = 1.0
+    """0.5 mumbles, 1.5 over-articulates"""
+    passes: tuple[Pass, ...] | None = None
+    """instead of the default passes; then `intensity` is not used"""
+
+    def __post_init__(self) -> None:
+        """Check."""
+        if not 0 < self.fps <= MAX_FPS:
+            raise LipwrightError(
+                f"fps is {self.fps:g}; give a number above 0 and at most {MAX_FPS:.0f}"
+            )
+        if self.passes is None:
+            default_passes(self.intensity)  # refuses what it cannot use
+
+    def chosen_passes(self) -> tuple[Pass, ...]:
+        """The passes to apply, in order."""
+        return tuple(default_passes(self.intensity)) if self.passes is None else self.passes
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What `animate` gives: the performance, and what was odd on the way."""
+
+    performance: Performance
+    alignment: Alignment | None = field(default=None)
+    """None where a phone track was given"""
+
+    @property
+    def clip(self) -> Clip:
+        """The curves."""
+        return self.performance.clip
+
+    @property
+    def track(self) -> PhoneTrack:
+        """The phones that they follow."""
+        assert self.performance.track is not None  # animate always sets it
+        return self.performance.track
+
+
+def _quiet(stage: str, share: float) -> None:
+    del stage, share
+
+
+def align_sound(
+    sound: AudioFile | Sound, text: str, options: AlignOptions | None = None,
+    source: str = "text", report: Report = _quiet,
+) -> Alignment:  # fmt: skip
+    """Words on an open sound of 16 kHz.
+
+    Args:
+        sound: what is heard.
+        text: what is said.
+        options: language, dictionary and aligner.
+        source: the text's name in errors.
+        report: told how far it is.
+
+    Raises:
+        LipwrightError: text, dictionary or sound cannot be used, or they do not fit each other.
+    """
+    options = options or AlignOptions()
+    language = get_language(options.language)
+    dictionary = None if options.dictionary is None else read_dictionary(Path(options.dictionary))
+    words = language.normalize(text, source, dictionary)
+    return align(
+        sound, words, options.language, dictionary, options.aligner,
+        progress=lambda share: report("align", share),
+    )  # fmt: skip
+
+
+def align_speech(
+    speech: PathLike, text: str, options: AlignOptions | None = None,
+    source: str = "text", report: Report = _quiet,
+) -> Alignment:  # fmt: skip
+    """Words on the sound of a file; see `align_sound`."""
+    with open_audio(speech, ALIGNMENT_RATE) as sound:
+        return align_sound(sound, text, options, source, report)
+
+
+def animate_track(
+    track: PhoneTrack, options: AnimateOptions | None = None, audio: AudioFile | None = None
+) -> Clip:
+    """The motion of a phone track, in the canonical controls.
+
+    Raises:
+        LipwrightError: no such engine.
+    """
+    options = options or AnimateOptions()
+    clip = get_engine(options.engine)(track, options.fps, audio)
+    clip = apply_passes(clip, track, options.chosen_passes())
+    return canonical_rig().fit(clip)
+
+
+def animate(
+    speech: PathLike,
+    text: str | None = None,
+    *,
+    phones: PathLike | PhoneTrack | None = None,
+    options: AnimateOptions | None = None,
+    alignment: AlignOptions | None = None,
+    text_source: str = "text",
+    report: Report = _quiet,
+) -> Result:
+    """A recording and its words, or its phones, as motion.
+
+    Args:
+        speech: the recording; any common sound or video file.
+        text: the words that are said in it. Give `text` or `phones`.
+        phones: a phone track, or a file of one: then nothing is aligned.
+        options: engine, frame rate, intensity and passes.
+        alignment: language, dictionary and aligner.
+        text_source: the text's name in errors.
+        report: told how far it is.
+
+    Raises:
+        LipwrightError: an input cannot be used; the message names it, the place and the remedy.
+    """
+    if (text is None) == (phones is None):
+        raise LipwrightError("give either the words (text) or the phones of the recording")
+    options = options or AnimateOptions()
+    report("read", 0.0)
+    with open_audio(speech, ALIGNMENT_RATE) as sound:
+        report("read", 1.0)
+        found = None
+        if text is not None:
+            found = align_sound(sound, text, alignment, text_source, report)
+            track = found.track
+        elif isinstance(phones, PhoneTrack):
+            track = phones.padded(0.0, sound.duration)
+        else:
+            assert phones is not None  # checked above
+            track = read_track(phones, duration=sound.duration)
+        report("animate", 0.0)
+        clip = animate_track(track, options, sound)
+        report("animate", 1.0)
+    return Result(Performance(clip, track, speech), found)
