@@ -35,8 +35,15 @@ class Costs:
     other: float = 3.0
     """nats a frame for what the transcript lacks"""
 
+    def skips(self, count: int) -> Floats:
+        """(count,) nats to leave out 0, 1, 2... words."""
+        number = np.arange(count, dtype=np.float32)
+        if np.isinf(self.skip):
+            return np.where(number > 0, -NEVER, 0).astype(np.float32)
+        return number * np.float32(self.skip)
 
-STRICT: Final = Costs(skip=1e6, other=1e3)
+
+STRICT: Final = Costs(skip=np.inf, other=1e3)
 """each word must be somewhere"""
 
 
@@ -161,7 +168,7 @@ class _Reach:
         n_nodes, n_hubs = self.high - self.low, last + 1 - first
         self.states = np.full((3, n_nodes), NEVER, np.float32)
         self.at_hub = np.full(n_hubs, NEVER, np.float32)
-        self._ramp = np.arange(n_hubs, dtype=np.float32) * np.float32(search.costs.skip)
+        self._ramp = search.costs.skips(n_hubs)
         self._only = self._local(search._only[self.nodes])
         low, high = np.searchsorted(search._choosers, (self.low, self.high))
         self._choosers = search._choosers[low:high] - self.low
@@ -181,10 +188,7 @@ class _Reach:
 
     def begin(self, hub: int) -> None:
         """Nothing was said yet; the next word is that of `hub`."""
-        after = np.arange(self.first, self.last + 1) - hub
-        self.at_hub = np.where(
-            after >= 0, -after * np.float32(self.search.costs.skip), NEVER
-        ).astype(np.float32)
+        self.at_hub[hub - self.first :] = -self.search.costs.skips(self.last + 1 - hub)
 
     def moved(self) -> _Reach:
         """The reach for the next block, with the scores of what both have."""
@@ -200,8 +204,8 @@ class _Reach:
         reach.states[:, : self.high - reach.low] = self.states[:, cut:] - top
         kept = self.at_hub[first - self.first :] - top
         reach.at_hub[: len(kept)] = kept
-        fresh = np.arange(1, len(reach.at_hub) - len(kept) + 1, dtype=np.float32)
-        reach.at_hub[len(kept) :] = kept[-1] - fresh * np.float32(self.search.costs.skip)
+        fresh = self.search.costs.skips(len(reach.at_hub) - len(kept) + 1)[1:]
+        reach.at_hub[len(kept) :] = kept[-1] - fresh
         return reach
 
     def advance(self, start: int, stop: int) -> _Block:
@@ -223,6 +227,7 @@ class _Reach:
         states, at_hub = self.states, self.at_hub
         choosers, hub_rows = np.arange(len(self._choosers)), np.arange(n_hubs)
         arrive = np.empty_like(states)
+        ramp, strict = self._ramp, np.isinf(search.costs.skip)
         for frame in range(n_frames):
             left = states + leave
             places[:n_nodes] = left[2]
@@ -243,7 +248,7 @@ class _Reach:
             which = leading.argmax(axis=1)
             exits[frame] = which
             direct = leading[hub_rows, which]
-            at_hub = np.maximum.accumulate(direct + self._ramp) - self._ramp
+            at_hub = direct if strict else np.maximum.accumulate(direct + ramp) - ramp
             # Rounding must not look like a word left out.
             np.greater(at_hub, direct + 0.01, out=skipped[frame])
         self.states, self.at_hub = states, at_hub
@@ -257,4 +262,6 @@ class _Reach:
 
     def best_hub(self) -> int:
         """The hub of the best hypothesis that has said what it began, and skips what is left."""
+        if np.isinf(self.search.costs.skip):
+            return self.last
         return int((self.at_hub + self._ramp).argmax()) + self.first

@@ -10,16 +10,16 @@ from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from lipwright.errors import LipwrightError
 from lipwright.phones import nearest_phones
 from lipwright.speech.acoustic import FILLERS, AcousticModel, load_model, model_folder
 from lipwright.speech.aligner import Alignment, Progress
-from lipwright.speech.fit import SpokenRow, place_words
+from lipwright.speech.fit import SpokenRow, placed_words
 from lipwright.speech.graph import build_graph
 from lipwright.speech.path import find_path
+from lipwright.speech.placing import to_alignment
 from lipwright.speech.recording import SILENT_DB, levels, spectra, static_features
+from lipwright.speech.repair import Judge
 from lipwright.speech.scores import Scores
 from lipwright.speech.search import Search
 
@@ -62,13 +62,17 @@ class SphinxAligner:
         static, _ = static_features(power)
         del power
         report(_HEARD)
-        model = load_model()
-        rows = [SpokenRow(word, _pronounce(word, language, dictionary)) for word in words]
-        graph = build_graph(model, [[model_phones(p) for p in row.phones] for row in rows])
-        scores = Scores(model, static)
-        search = Search(graph, scores)
-        path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
-        return place_words(search, path, rows, audio.duration)
+        rows = [_spoken_row(word, language, dictionary) for word in words]
+        scores = Scores(load_model(), static)
+        graph = build_graph(scores.model, [row.model_phones for row in rows])
+        path = find_path(Search(graph, scores), lambda s: report(_HEARD + (1 - _HEARD) * s))
+        judged = Judge(scores, rows, placed_words(graph, path)).judge()
+        return to_alignment(judged, rows, audio)
+
+
+def _spoken_row(word: SpokenWord, language: str, dictionary: Dictionary | None) -> SpokenRow:
+    phones = _pronounce(word, language, dictionary)
+    return SpokenRow(word, phones, tuple(map(model_phones, phones)))
 
 
 def _pronounce(

@@ -1,0 +1,129 @@
+"""What to do about words that do not fit: free their neighbours, and see where they would be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from lipwright.speech.fit import LEAST_FIT, PlacedWord, SpokenRow, noise_allowance, placed_words
+from lipwright.speech.graph import ANY_SPEECH, build_graph
+from lipwright.speech.scores import Scores
+from lipwright.speech.search import STRICT, Costs, Search, Segment
+
+_CONTEXT: Final = 2  # right words on each side that are heard again
+_FARTHEST: Final = 2000  # frames, 20 s, that are heard again before the first or after the last
+_LOOSE: Final = Costs(skip=STRICT.skip, other=1.5)  # no word is left out, other speech is cheap
+_LEAST_SPOKEN: Final = 0.5  # share of a misfit's frames that are speech, to stay in the track
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Where each word of the transcript is, and which of them do not fit."""
+
+    placed: dict[int, PlacedWord]
+    """index in the transcript to place; the misfits too, unless the sound lacks them"""
+    misfits: dict[int, tuple[int, int, float | None]]
+    """index to start, stop (frames) and score, or None where there is no room for the word"""
+    allowance: float
+    """added to scores, for the noise of the recording"""
+
+
+class Judge:
+    """Decides which words fit, from a first path on."""
+
+    def __init__(self, scores: Scores, rows: Sequence[SpokenRow], first: list[PlacedWord]) -> None:
+        """`first` are the words of the first path."""
+        self.scores, self.rows = scores, rows
+        self.allowance = noise_allowance([word.score for word in first])
+        self.placed = {word.index: word for word in first}
+        self.spoken: list[tuple[int, int]] = []  # frames that hold speech of no word
+
+    def fits(self, word: PlacedWord) -> bool:
+        """Whether the word is likely to be what is said there."""
+        return word.score + self.allowance >= LEAST_FIT
+
+    def judge(self) -> Judged:
+        """All words, each heard where its neighbours leave room."""
+        fitting = [
+            i for i in range(len(self.rows)) if i in self.placed and self.fits(self.placed[i])
+        ]
+        misfits = sorted(set(range(len(self.rows))) - set(fitting))
+        for run in _runs(misfits, 2 * _CONTEXT):
+            self._free_neighbours(run, fitting)
+        found: dict[int, tuple[int, int, float | None]] = {}
+        for run in _runs(misfits, 1):
+            self._place_misfits(run, fitting, found)
+        return Judged(self.placed, found, self.allowance)
+
+    def _free_neighbours(self, run: list[int], fitting: list[int]) -> None:
+        """Align the words around misfits again, as if the misfits were not in the transcript."""
+        for index in run:
+            self.placed.pop(index, None)
+        before = [i for i in fitting if i < run[0]][-_CONTEXT:]
+        after = [i for i in fitting if i > run[-1]][:_CONTEXT]
+        inside = [i for i in fitting if run[0] < i < run[-1]]
+        words = [*before, *inside, *after]
+        if not words:
+            return
+        start = self.placed[before[0]].start if before else (
+            max(self.placed[words[0]].start - _FARTHEST, 0))  # fmt: skip
+        stop = self.placed[after[-1]].stop if after else (
+            min(self.placed[words[-1]].stop + _FARTHEST, len(self.scores)))  # fmt: skip
+        search, path = self._search(words, start, stop, _LOOSE)
+        self.spoken += [(s.start, s.stop) for s in path if _is_other(search, s)]
+        # The outermost words have lost their own neighbours: they keep their first places.
+        kept = set(before[: _CONTEXT - 1] + after[_CONTEXT - 1 :])
+        for word in placed_words(search.graph, path):
+            index = words[word.index]
+            if index not in kept:
+                self.placed[index] = replace(word, index=index)
+
+    def _place_misfits(
+        self, run: list[int], fitting: list[int],
+        found: dict[int, tuple[int, int, float | None]],
+    ) -> None:  # fmt: skip
+        """Put misfits between their neighbours, and take back those that fit there after all."""
+        before = [self.placed[i].stop for i in fitting if i < run[0]][-1:]
+        after = [self.placed[i].start for i in fitting if i > run[-1]][:1]
+        start, stop = (before or [0])[0], (after or [len(self.scores)])[0]
+        shortest = sum(3 * min(map(len, self.rows[i].model_phones)) for i in run)
+        if stop - start < shortest or stop - start > 2 * _FARTHEST:
+            found.update((i, (start, stop, None)) for i in run)
+            return
+        search, path = self._search(run, start, stop, STRICT)
+        for word in placed_words(search.graph, path):
+            index = run[word.index]
+            placed = replace(word, index=index)
+            if not self.fits(placed):
+                found[index] = placed.start, placed.stop, placed.score
+            if self.fits(placed) or self._is_spoken(placed):
+                self.placed[index] = placed
+
+    def _is_spoken(self, word: PlacedWord) -> bool:
+        frames = sum(
+            max(min(stop, word.stop) - max(start, word.start), 0) for start, stop in self.spoken
+        )
+        return frames >= _LEAST_SPOKEN * (word.stop - word.start)
+
+    def _search(
+        self, words: Sequence[int], start: int, stop: int, costs: Costs
+    ) -> tuple[Search, list[Segment]]:
+        graph = build_graph(self.scores.model, [self.rows[i].model_phones for i in words])
+        search = Search(graph, self.scores, costs)
+        return search, search.run(start, stop, 0, to_end=True)
+
+
+def _is_other(search: Search, segment: Segment) -> bool:
+    return bool(search.graph.senones[segment.node, 0] == ANY_SPEECH)
+
+
+def _runs(indices: Sequence[int], reach: int) -> list[list[int]]:
+    """Neighbouring indices together: those at most `reach` apart."""
+    runs: list[list[int]] = []
+    for index in indices:
+        if runs and index - runs[-1][-1] <= reach:
+            runs[-1].append(index)
+        else:
+            runs.append([index])
+    return runs
