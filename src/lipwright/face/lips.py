@@ -15,6 +15,8 @@ CONTACT_UPPER: Final = 520  # the middle of the ring where the lips touch
 CONTACT_NEXT: Final = 7267  # its neighbour to the left: the edge loop runs on from here
 CONTACT_RING: Final = 38  # vertices in that ring
 CAVITY_RING_UPPER: Final = 571  # three rings further in, out of sight
+BORDER: Final = (455, 7214)  # two neighbours on the edge of the red
+NOSE_TIP: Final = 5054
 CAVITY_INNER: Final = 690  # deep in the mouth
 
 LIP_PAIR_SOURCES: Final = np.array([[520, 523], [7268, 7264], [522, 517]])
@@ -53,12 +55,25 @@ def close_lips(asset: Asset, body: QuadGraph) -> NDArray[np.float64]:
     heights = [np.interp(place, rest[side, 0], rest[side, 1]) for side in (upper, lower)]
     pressed = OVERLAP_M * (1 - (place / half_width) ** 2)
     missing = heights[0] - heights[1] + pressed
-    far = [body.distances(side, rest) for side in (upper, lower)]
+    far = [body.distances(side, rest, REACH_M) for side in (upper, lower)]
     moves = np.zeros_like(rest)
-    for vertex, distances in ((v, (far[0][v], far[1][v])) for v in far[0]):
-        fade = max(0.0, 1 - min(distances) / REACH_M)
-        side = -0.5 if distances[0] <= distances[1] else 0.5
+    for vertex in far[0].keys() | far[1].keys():
+        above, below = (distances.get(vertex, REACH_M) for distances in far)
+        fade = 1 - min(above, below) / REACH_M
+        side = -0.5 if above <= below else 0.5
         by = np.interp(rest[vertex, 0], place, missing)
         moves[vertex, 1] = side * by * fade * fade * (3 - 2 * fade)
     moves[ring[corner]] = moves[ring[other]] = 0.0
     return moves
+
+
+def red_of_lips(body: QuadGraph, count: int) -> NDArray[np.float64]:
+    """How much each of `count` vertices belongs to the red of the lips, 0 to 1."""
+    red = np.zeros(count)
+    border = body.edge_loop(*BORDER)
+    outside = body.enclosed(NOSE_TIP, border)
+    everything = body.enclosed(NOSE_TIP, ())
+    red[everything] = 1.0
+    red[outside] = 0.0
+    red[border] = 0.5
+    return red

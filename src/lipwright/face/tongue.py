@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 
 from lipwright.face.asset import Asset
 from lipwright.face.pieces import Piece
+from lipwright.face.teeth import UPPER
 from lipwright.face.topology import quads_to_triangles
 
 SPEECH_JAW: Final = 0.15
 """the jawOpen at which the tongue's targets are met exactly: t, th and k in running speech"""
+
+TIP_OUT_M: Final = 0.0030  # m that the tip passes the front of the upper teeth for "th"
 
 Vectors = NDArray[np.float64]
 
@@ -31,8 +34,7 @@ def tongue_piece(asset: Asset) -> Piece:
     shapes = {name: deltas[used] for name, deltas in asset.shapes.items()}
     rest = drawn + _rest_correction(drawn)
     shapes["tongueOut"] = shapes["tongueOut"] + drawn - rest  # it ends where it was drawn
-    upper = asset.mesh.vertices[asset.mesh.vertices_of("helper-upper-teeth")]
-    shapes |= _speech_shapes(rest, shapes["jawOpen"], upper)
+    shapes |= _speech_shapes(rest, shapes["jawOpen"])
     return Piece(
         "tongue",
         "tongue",
@@ -57,18 +59,58 @@ def _rest_correction(drawn: Vectors) -> Vectors:
     return np.stack([np.zeros_like(hump), -0.008 * hump, np.zeros_like(hump)], axis=1)
 
 
-def _speech_shapes(rest: Vectors, jaw: Vectors, upper_teeth: Vectors) -> dict[str, Vectors]:
+def _speech_shapes(rest: Vectors, jaw: Vectors) -> dict[str, Vectors]:
     """tongueRaise, tonguePress and tongueBack."""
     along = _along(rest)
-    tip = int(np.argmax(rest[:, 2]))
-    opened = rest[tip] + SPEECH_JAW * jaw[tip]
-    front = upper_teeth[np.argmax(upper_teeth[:, 2])]
-    edge = upper_teeth[upper_teeth[:, 2] > front[2] - 0.004, 1].min()
-    ridge = np.array([0.0, edge + 0.007, front[2] - 0.012])
-    between = np.array([0.0, edge - 0.0025, front[2] + 0.002])
-    blade = smooth_step(0.35, 1.0, along)
-    raised = blade[:, None] * (ridge - opened)
-    pressed = smooth_step(0.25, 1.0, along)[:, None] * (between - opened)
+    opened = rest + SPEECH_JAW * jaw
+    return {
+        "tongueRaise": _raised(along, rest, opened),
+        "tonguePress": _pressed(along, opened),
+        "tongueBack": _backed(along),
+    }
+
+
+def _underside(along: NDArray[np.float64], rest: Vectors) -> NDArray[np.float64]:
+    """0 on the upper face of the tongue, 1 on its lower face, by slices along it."""
+    slices = np.clip((along * 14).astype(int), 0, 13)
+    low, high = (
+        np.array([rest[slices == s, 1].min() for s in range(14) if (slices == s).any()]),
+        np.array([rest[slices == s, 1].max() for s in range(14) if (slices == s).any()]),
+    )
+    at = [along[slices == s].mean() for s in range(14) if (slices == s).any()]
+    floor, top = np.interp(along, at, low), np.interp(along, at, high)
+    return np.clip((top - rest[:, 1]) / np.maximum(top - floor, 1e-6), 0, 1)
+
+
+def _raised(along: NDArray[np.float64], rest: Vectors, opened: Vectors) -> Vectors:
+    """The blade curls up until its tip meets the ridge; its lower face stays in sight."""
+    ridge = np.array([0.0, UPPER.edge + 0.0045, _front() - 0.0105])
+    tip = opened[np.argmax(rest[:, 2])]
+    curl = smooth_step(0.45, 1.0, along) * (1 - 0.45 * _underside(along, rest))
+    moves = curl[:, None] * (ridge - tip)
+    moves[:, 0] -= 0.12 * curl * rest[:, 0]  # a pointed tip leaves the sides open
+    return np.asarray(moves)
+
+
+def _pressed(along: NDArray[np.float64], opened: Vectors) -> Vectors:
+    """The tip comes forward, flat, until it lies below the edge of the upper teeth."""
+    reach = smooth_step(0.30, 1.0, along)
+    moved = opened.copy()
+    moved[:, 2] += reach * (_front() + TIP_OUT_M - opened[:, 2].max())
+    moved[:, 0] *= 1 - 0.40 * reach
+    between = smooth_step(_front() - 0.022, _front() - 0.010, moved[:, 2])
+    flat = np.clip(moved[:, 1], UPPER.edge - 0.0058, UPPER.edge - 0.0012)
+    moved[:, 1] += between * (flat - moved[:, 1])
+    return moved - opened
+
+
+def _backed(along: NDArray[np.float64]) -> Vectors:
+    """The back rises to the soft palate and the tip draws back."""
     dorsum = smooth_step(0.0, 0.3, along) * (1 - smooth_step(0.3, 0.75, along))
-    back = np.stack([np.zeros_like(along), 0.019 * dorsum - 0.003 * blade, -0.006 * blade], axis=1)
-    return {"tongueRaise": raised, "tonguePress": pressed, "tongueBack": back}
+    blade = smooth_step(0.35, 1.0, along)
+    return np.stack([np.zeros_like(along), 0.017 * dorsum - 0.002 * blade, -0.006 * blade], axis=1)
+
+
+def _front() -> float:
+    """z of the front of the upper teeth, m."""
+    return UPPER.back + UPPER.depth

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import heapq
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -56,10 +58,10 @@ class QuadGraph:
                 queue.append(vertex)
         return np.array(sorted(seen))
 
-    def distances(self, start: Iterable[int], vertices: NDArray[np.float64]) -> dict[int, float]:
-        """Distance along edges from the nearest of `start` to every vertex it reaches."""
-        import heapq
-
+    def distances(
+        self, start: Iterable[int], vertices: NDArray[np.float64], limit: float
+    ) -> dict[int, float]:
+        """Distance along edges from the nearest of `start` to every vertex within `limit`."""
         found: dict[int, float] = {}
         queue = [(0.0, int(vertex)) for vertex in start]
         while queue:
@@ -68,8 +70,9 @@ class QuadGraph:
                 continue
             found[vertex] = far
             for other in self.neighbours[vertex] - found.keys():
-                step = float(np.linalg.norm(vertices[vertex] - vertices[other]))
-                heapq.heappush(queue, (far + step, other))
+                next_far = far + math.dist(vertices[vertex], vertices[other])
+                if next_far <= limit:
+                    heapq.heappush(queue, (next_far, other))
         return found
 
 

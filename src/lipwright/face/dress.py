@@ -1,0 +1,120 @@
+"""Colour and shade of the pieces of the head."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lipwright.face.asset import Asset
+from lipwright.face.eyes import eye_sphere
+from lipwright.face.lips import red_of_lips
+from lipwright.face.occlusion import openness
+from lipwright.face.paint import Landmarks, hair_depth, paint_texture, skin_uvs, smooth_step
+from lipwright.face.pieces import Piece
+from lipwright.face.topology import QuadGraph
+
+NOSE_TIP: Final = 5054  # vertices of the base mesh
+MOUTH_CORNER: Final = 7195
+CONTACT: Final = 520
+
+HAIR_M: Final = 0.0050  # m; how far the hair stands off the scalp
+NECKLINE_M: Final = -0.0985  # m; its height on the neck's axis
+NECKLINE_SLOPE: Final = 0.46
+NECK_HIDDEN_M: Final = 0.010  # m of skin that goes on under the shirt
+CLOTH: Final = np.array([0.040, 0.075, 0.095])
+HEM: Final = np.array([0.052, 0.095, 0.118])
+CLOTH_M: Final = 0.0030  # m; how far the shirt stands off the skin
+SHADED_JAW: Final = 0.45
+"""the jawOpen under which the inside of the mouth is shaded"""
+MOUTH_TINT: Final = (0.30, 0.085, 0.080)
+OPEN_MOUTH: Final = ("mouth", "teethUpper", "teethLower", "tongue")
+
+
+def dress_skin(skin: Piece, asset: Asset, body: QuadGraph) -> NDArray[np.uint8]:
+    """Give `skin` its hair and its places in the texture, and return the texture."""
+    rest = asset.mesh.vertices
+    marks = Landmarks(
+        eye=eye_sphere(asset)[0],
+        nose_tip=rest[NOSE_TIP],
+        mouth_corner=rest[MOUTH_CORNER],
+        mouth=rest[CONTACT],
+    )
+    lips = np.append(red_of_lips(body, len(rest)), 0.0)  # the last for vertices of the cut
+    skin.uvs = skin_uvs(skin.vertices)
+    texture = paint_texture(skin.vertices, skin.triangles, lips[skin.source], marks)
+    normals = _normals(skin.vertices, skin.triangles)
+    ear = np.abs(skin.vertices[:, 0]) > 0.0735
+    stand = smooth_step(-0.002, 0.016, hair_depth(skin.vertices)) * HAIR_M * ~ear
+    skin.vertices = skin.vertices + normals * stand[:, None]
+    return texture
+
+
+def neckline_depth(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far in m each vertex lies below the neckline of the shirt: a plane, lower in front."""
+    return np.asarray(NECKLINE_M - NECKLINE_SLOPE * vertices[:, 2] - vertices[:, 1])
+
+
+def dress_shirt(shirt: Piece) -> None:
+    """Lift `shirt` off the skin and colour it, with a hem along the neckline."""
+    depth = neckline_depth(shirt.vertices)
+    normals = _normals(shirt.vertices, shirt.triangles)
+    stand = CLOTH_M * (1 - 0.35 * smooth_step(0.010, 0.014, depth))
+    shirt.vertices = shirt.vertices + normals * stand[:, None]
+    hem = smooth_step(0.014, 0.009, depth)
+    shirt.tints = CLOTH + hem[:, None] * (HEM - CLOTH)
+
+
+def shade(pieces: Sequence[Piece]) -> None:
+    """Darken the tints of `pieces` where little light reaches them."""
+    starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    triangles = np.concatenate(
+        [p.triangles + start for p, start in zip(pieces, starts, strict=False)]
+    ).astype(np.int32)
+    rest = np.concatenate([piece.vertices for piece in pieces])
+    jaw = np.concatenate([p.shapes.get("jawOpen", np.zeros_like(p.vertices)) for p in pieces])
+    closed, opened = (
+        openness(pose, _normals(pose, triangles), triangles)
+        for pose in (rest, rest + SHADED_JAW * jaw)
+    )
+    closed, opened = (_smoothed(light, triangles) for light in (closed, opened))
+    for piece, start in zip(pieces, starts, strict=False):
+        span = slice(start, start + len(piece.vertices))
+        if piece.material == "lash":
+            continue
+        if piece.material == "eye":
+            light = 0.35 + 0.65 * closed[span]
+        elif piece.name in OPEN_MOUTH:
+            light = np.clip(1.5 * opened[span], 0.02, 1)
+        else:
+            light = np.clip(0.7 * closed[span] + 0.3 * opened[span], 0.06, 1)
+        if piece.name == "tongue":
+            reach = (piece.vertices[:, 2] - 0.03) / 0.05  # the blade comes forward into the light
+            light = light**0.5 * (0.30 + 0.70 * np.clip(reach, 0, 1))
+        if piece.name == "mouth":
+            piece.tints = piece.tints * MOUTH_TINT
+        # Light that skin scatters back into its folds is red.
+        piece.tints = piece.tints * light[:, None] ** np.array([0.75, 0.95, 1.0])
+
+
+def _smoothed(values: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Each vertex's value averaged with those of its neighbours, twice."""
+    for _ in range(2):
+        means = values[triangles].mean(axis=1)
+        sums, counts = np.zeros_like(values), np.zeros_like(values)
+        for corner in range(3):
+            np.add.at(sums, triangles[:, corner], means)
+            np.add.at(counts, triangles[:, corner], 1.0)
+        values = np.where(counts > 0, sums / np.maximum(counts, 1), values)
+    return values
+
+
+def _normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    corners = vertices[triangles]
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(sums, triangles[:, corner], faces)
+    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-20))
