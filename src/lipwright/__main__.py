@@ -1,0 +1,5 @@
+"""`python -m lipwright`."""
+
+from lipwright.cli import main
+
+main()

@@ -1,0 +1,5 @@
+"""`python -m lipwright.cli`."""
+
+from lipwright.cli import main
+
+main()

@@ -1,0 +1,76 @@
+"""What commands take: words or a file of them, a recording or a pipe."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from lipwright.errors import LipwrightError
+
+STDIN = "-"
+MAX_TEXT = 32 * 1024 * 1024  # bytes; some forty times what is said in a day
+_TEXT_SUFFIXES = frozenset((".txt", ".text", ".lab", ".trn", ".md"))
+
+
+@contextmanager
+def recording(speech: str) -> Iterator[Path]:
+    """The path of a recording; what comes through a pipe is kept in a file meanwhile."""
+    if speech != STDIN:
+        yield Path(speech)
+        return
+    with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
+        path = Path(folder) / "standard-input"
+        with path.open("wb") as file:
+            shutil.copyfileobj(sys.stdin.buffer, file)
+        yield path
+
+
+def _decode(data: bytes, name: str) -> str:
+    """UTF-8, or UTF-16 where a byte order mark says so."""
+    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise LipwrightError(
+            f"{name}, line {line}: byte {error.start} is not {encoding.upper()[:6]} text; "
+            "save the file as UTF-8"
+        ) from error
+
+
+def _looks_like_file(text: str) -> bool:
+    """Whether `text` was meant as a path: one word with a folder or a text file's suffix."""
+    return len(text.split()) == 1 and (os.sep in text or Path(text).suffix in _TEXT_SUFFIXES)
+
+
+def read_text(text: str) -> tuple[str, str]:
+    """The words that `--text` means, and their name for errors.
+
+    `text` is a file where there is one of that name, `-` standard input, else the words.
+
+    Raises:
+        LipwrightError: the file is missing, too long or not text.
+    """
+    if text == STDIN:
+        return _decode(sys.stdin.buffer.read(MAX_TEXT), "standard input"), "standard input"
+    try:
+        is_file, is_folder = Path(text).is_file(), Path(text).is_dir()
+    except (OSError, ValueError):  # too long for a path, or not one
+        is_file = is_folder = False
+    if is_file:
+        try:
+            size = Path(text).stat().st_size
+            if size > MAX_TEXT:
+                raise LipwrightError(f"{text}: {size} bytes are no transcript; name a text file")
+            return _decode(Path(text).read_bytes(), text), text
+        except OSError as error:
+            raise LipwrightError(f"{text}: cannot be read: {error.strerror}") from error
+    if (is_folder and os.sep in text) or _looks_like_file(text):
+        what = "is a folder" if is_folder else "no such file"
+        raise LipwrightError(f"{text}: {what}; --text takes the words or a file of them")
+    return text, "--text"

