@@ -227,16 +227,17 @@ def _reading_error(
 ) -> LipwrightError:
     if isinstance(error, FileNotFoundError):
         return LipwrightError(f"{name}: no such file; check the path")
-    if isinstance(error, OSError) and Path(path).is_dir():
+    if isinstance(error, IsADirectoryError):
         return LipwrightError(f"{name}: is a folder; name a sound file in it")
     if isinstance(error, PermissionError):
         return LipwrightError(f"{name}: may not be read; check its permissions")
-    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return LipwrightError(
             f"{name}: its decoded sound does not fit into {tempfile.gettempdir()}; set TMPDIR to a "
             "folder with more room"
         )
-    return LipwrightError(f"{name!r}: cannot be read: {error}; check the path")  # a NUL in it
+    reason = (isinstance(error, OSError) and error.strerror) or str(error)  # a NUL in the path
+    return LipwrightError(f"{name!r}: cannot be read: {reason}; check the path")
 
 
 class _CancelledError(Exception):

