@@ -30,31 +30,33 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run the command line on `arguments`; the exit status."""
+    import click
+
     from lipwright.cli.app import app
     from lipwright.errors import LipwrightError
 
     signal.signal(signal.SIGTERM, _terminate)
     try:
-        result = app(arguments, standalone_mode=False)
+        result = app.main(arguments, prog_name="lipwright", standalone_mode=False)
     except LipwrightError as error:
         _complain(str(error))
+        return BAD_INPUT
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        return BAD_INPUT
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        path = context.command_path if context is not None else "lipwright"
+        _complain(f"{error.format_message()} See '{path} --help'.")
         return BAD_INPUT
     except BrokenPipeError:
         # The reader of our output has left; nothing more can be said to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, click.Abort):
         _complain("interrupted; nothing was written")
         return FAILED
-    except Exception as error:  # noqa: BLE001  # the parser's errors share no public base class
-        if hasattr(error, "format_message"):
-            context = getattr(error, "ctx", None)
-            path = context.command_path if context is not None else "lipwright"
-            _complain(f"{error.format_message()} See '{path} --help'.")
-            return BAD_INPUT
-        if type(error).__name__ == "Abort":
-            _complain("interrupted; nothing was written")
-            return FAILED
+    except Exception as error:  # noqa: BLE001  # a bug of ours: one line for the user
         if os.environ.get("LIPWRIGHT_DEBUG"):
             raise
         _complain(

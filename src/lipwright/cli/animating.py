@@ -7,12 +7,13 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+import click
 
 from lipwright.cli.inputs import STDIN, read_text, recording
-from lipwright.cli.progress import Progress, Report, progress_report, say
+from lipwright.cli.progress import Report, progress_option, progress_report, say
+from lipwright.engines import DEFAULT
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
@@ -38,31 +39,25 @@ Examples:
   lipwright align talk.wav --text talk.txt -o - --format ctm
 """
 
-Speech = Annotated[str, typer.Argument(help="Recording: any sound or video file, or - for a pipe.")]
-Text = Annotated[
-    str | None, typer.Option("--text", "-t", help="The words, a file of them, or - for a pipe.")
-]
-Out = Annotated[
-    list[str] | None,
-    typer.Option("-o", "--output", help="File to write, or -. Repeat for several."),
-]
-Format = Annotated[
-    str | None, typer.Option("--format", "-f", help="Format, where a suffix does not say it.")
-]
-Dictionary = Annotated[
-    Path | None, typer.Option(help="File of pronunciations: a WORD and its ARPABET phones a line.")
-]
-Language = Annotated[str, typer.Option("--language", "-l", help="Language of the words.")]
-ProgressOption = Annotated[
-    Progress, typer.Option(help="Bar on a terminal (auto), JSON lines (json), or none.")
-]
+speech_argument = click.argument("speech")
+text_option = click.option("--text", "-t", help="The words, a file of them, or - for a pipe.")
+out_option = click.option(
+    "-o", "--output", "out", multiple=True, help="File to write, or -. Repeat for several."
+)
+format_option = click.option("--format", "-f", help="Format, where a suffix does not say it.")
+dictionary_option = click.option(
+    "--dictionary", type=Path, help="File of pronunciations: a WORD and its ARPABET phones a line."
+)
+language_option = click.option(
+    "--language", "-l", default="en", show_default=True, help="Language of the words."
+)
 
 
 def _suffix(format: str | None) -> str | None:  # noqa: A002  # as the option is called
     return format if format is None or format.startswith(".") else f".{format}"
 
 
-def _targets(out: list[str] | None, known: Iterable[str]) -> list[str]:
+def _targets(out: tuple[str, ...], known: Iterable[str]) -> tuple[str, ...]:
     if not out:
         raise LipwrightError(f"no output; name one with -o: {', '.join(f'-o NAME{s}' for s in known)}")
     return out
@@ -95,23 +90,33 @@ def _summary(path: str, duration: float, phones: int, words: int) -> str:
     return f"{name}: {duration:.1f} s, {phones} phones, {words} words"
 
 
+@click.command(epilog=ANIMATE_EXAMPLES)
+@speech_argument
+@text_option
+@click.option(
+    "--phones", type=Path,
+    help="Phone times to use instead of words: TextGrid, CTM, lab, JSON, pho.",
+)
+@out_option
+@format_option
+@click.option("--engine", default=DEFAULT, show_default=True, help="What makes motion of phones.")
+@click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
+@click.option(
+    "--intensity", type=float, default=1.0, show_default=True,
+    help="0.5 mumbles, 1.5 over-articulates.",
+)
+@dictionary_option
+@language_option
+@click.option(
+    "--size", default="512x512", show_default=True, help="Width x height of a video in pixels."
+)
+@progress_option
 def animate(
-    speech: Speech,
-    text: Text = None,
-    phones: Annotated[
-        Path | None,
-        typer.Option(help="Phone times to use instead of words: TextGrid, CTM, lab, JSON, pho."),
-    ] = None,
-    out: Out = None,
-    format: Format = None,  # noqa: A002  # as the option is called
-    engine: Annotated[str, typer.Option(help="What makes motion of phones.")] = "dominance",
-    fps: Annotated[float, typer.Option(help="Frames a second.")] = 60.0,
-    intensity: Annotated[float, typer.Option(help="0.5 mumbles, 1.5 over-articulates.")] = 1.0,
-    dictionary: Dictionary = None,
-    language: Language = "en",
-    size: Annotated[str, typer.Option(help="Width x height of a video in pixels.")] = "512x512",
-    progress: ProgressOption = Progress.AUTO,
-) -> None:
+    speech: str, text: str | None, phones: Path | None, out: tuple[str, ...],
+    format: str | None,  # noqa: A002  # as the option is called
+    engine: str, fps: float, intensity: float, dictionary: Path | None, language: str,
+    size: str, progress: str,
+) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
     from lipwright.engines import get_engine
     from lipwright.export import EXPORTERS, ExportOptions, check_targets
@@ -146,7 +151,7 @@ def animate(
         _export(result, targets, _suffix(format), export_options)
     if result.alignment is not None:
         _report_misfits(result.alignment)
-    if progress is not Progress.JSON:
+    if progress != "json":
         track = result.track
         for target in targets:
             say(_summary(target, track.end, len(track), len(track.words)))
@@ -159,7 +164,7 @@ def _size(size: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def _export(result: Result, targets: list[str], suffix: str | None, options: object) -> None:
+def _export(result: Result, targets: tuple[str, ...], suffix: str | None, options: object) -> None:
     from lipwright.export import ExportOptions, export_all
 
     assert isinstance(options, ExportOptions)
@@ -176,15 +181,19 @@ def _export(result: Result, targets: list[str], suffix: str | None, options: obj
         export_all(files, result.performance, format=suffix, options=options)
 
 
+@click.command(epilog=ALIGN_EXAMPLES)
+@speech_argument
+@text_option
+@out_option
+@format_option
+@dictionary_option
+@language_option
+@progress_option
 def align(
-    speech: Speech,
-    text: Text = None,
-    out: Out = None,
-    format: Format = None,  # noqa: A002  # as the option is called
-    dictionary: Dictionary = None,
-    language: Language = "en",
-    progress: ProgressOption = Progress.AUTO,
-) -> None:
+    speech: str, text: str | None, out: tuple[str, ...],
+    format: str | None,  # noqa: A002  # as the option is called
+    dictionary: Path | None, language: str, progress: str,
+) -> None:  # fmt: skip
     """Find when each word and phone of a recording is said."""
     from lipwright.export import check_targets
     from lipwright.formats import TRACK_FORMATS
@@ -206,7 +215,7 @@ def align(
     for target in targets:
         _write_track(target, alignment, _suffix(format))
     _report_misfits(alignment)
-    if progress is not Progress.JSON:
+    if progress != "json":
         track = alignment.track
         for target in targets:
             say(_summary(target, track.end, len(track), len(track.words)))

@@ -3,45 +3,63 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
+import click
 
 from lipwright.cli.progress import say
 from lipwright.errors import LipwrightError
 
-app = typer.Typer(
-    help="The head that is animated: install it, look at it.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-)
+INSTALL_EXAMPLES = """\b
+Example:
+  lipwright head install
+    the head is installed: 5138 vertices, 55 controls
+"""
+SHOW_EXAMPLES = """\b
+Example:
+  lipwright head show open.png --set jawOpen=0.6 --set tongueRaise=1
+    open.png: 512 x 512 pixels
+"""
 
 
-@app.command(epilog="\b\nExample:\n  lipwright head install\n    the head is installed: 5138 vertices, 55 controls")
-def install(
-    wheel: Annotated[
-        Path | None, typer.Option(help="The asset's wheel, where it was fetched by other means.")
-    ] = None,
-) -> None:
+def is_installed() -> bool:
+    """Whether the head can be loaded."""
+    from lipwright.face.head import load_head
+
+    try:
+        load_head()
+    except LipwrightError:
+        return False
+    return True
+
+
+@click.group()
+def head() -> None:
+    """Install, describe and look at the head that is animated."""
+
+
+@head.command(epilog=INSTALL_EXAMPLES)
+@click.option("--wheel", type=Path, help="The asset's wheel, where it was fetched by other means.")
+@click.option("--if-missing", is_flag=True, help="Do nothing where a usable head is installed.")
+def install(wheel: Path | None, if_missing: bool) -> None:
     """Fetch the head's assets (48 MB, CC0) from the package registry and build it."""
     from lipwright.face.build import install_head
     from lipwright.face.head import load_head
 
-    install_head(wheel)
-    head = load_head()
-    say(f"the head is installed: {len(head.vertices)} vertices, {len(head.names)} controls")
+    if not (if_missing and is_installed()):
+        install_head(wheel)
+    found = load_head()
+    say(f"the head is installed: {len(found.vertices)} vertices, {len(found.names)} controls")
 
 
-@app.command(epilog="\b\nExample:\n  lipwright head info")
+@head.command()
 def info() -> None:
     """Say what the installed head is made of."""
     from lipwright.face.head import load_head
 
     for name, value in load_head().summary().items():
-        typer.echo(f"{name}: {value}")
+        click.echo(f"{name}: {value}")
 
 
-def _weights(settings: list[str]) -> dict[str, float]:
+def _weights(settings: tuple[str, ...]) -> dict[str, float]:
     weights = {}
     for setting in settings:
         name, _, value = setting.partition("=")
@@ -54,14 +72,14 @@ def _weights(settings: list[str]) -> dict[str, float]:
     return weights
 
 
-@app.command(epilog="\b\nExample:\n  lipwright head show smile.png --set mouthSmileLeft=0.6 --set mouthSmileRight=0.6")
-def show(
-    out: Annotated[Path, typer.Argument(help="PNG file to write.")],
-    setting: Annotated[
-        list[str] | None, typer.Option("--set", help="CONTROL=NUMBER; repeat for several.")
-    ] = None,
-    size: Annotated[int, typer.Option(help="Width and height in pixels.", min=16, max=4096)] = 512,
-) -> None:
+@head.command(epilog=SHOW_EXAMPLES)
+@click.argument("out", type=Path)
+@click.option("--set", "settings", multiple=True, help="CONTROL=NUMBER; repeat for several.")
+@click.option(
+    "--size", type=click.IntRange(16, 4096), default=512, show_default=True,
+    help="Width and height in pixels.",
+)
+def show(out: Path, settings: tuple[str, ...], size: int) -> None:
     """Take a picture of the head in a pose."""
     import numpy as np
 
@@ -72,7 +90,7 @@ def show(
     from lipwright.face.render import Renderer
 
     weights = np.zeros(len(CANONICAL), np.float32)
-    for name, value in _weights(setting or []).items():
+    for name, value in _weights(settings).items():
         if name not in CANONICAL:
             raise LipwrightError(f"--set: no control {name!r}; the controls are: {', '.join(CANONICAL)}")
         weights[CANONICAL.index(name)] = value

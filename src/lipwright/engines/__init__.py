@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
-from typing import Final, Protocol, cast
+from typing import TYPE_CHECKING, Final, Protocol, cast
 
-from lipwright.audio import AudioFile
-from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
-from lipwright.track import PhoneTrack
+
+if TYPE_CHECKING:
+    from lipwright.audio import AudioFile
+    from lipwright.clip import Clip
+    from lipwright.track import PhoneTrack
 
 DEFAULT: Final = "dominance"
 
@@ -59,4 +60,4 @@ def get_engine(name: str) -> Engine:
     """
     if name not in ENGINES:
         raise LipwrightError(f"no engine {name!r}; the engines are: {', '.join(ENGINES)}")
-    return cast(Callable[..., Clip], import_module(ENGINES[name].module).animate)
+    return cast("Engine", import_module(ENGINES[name].module).animate)

@@ -1,0 +1,48 @@
+# Two commands: `make demo` and `make test`. Each makes its own .venv and installs what it needs.
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test lint bench clean
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Lipwright needs Python 3.11 or newer; name it with: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+
+.venv/.installed: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/.tested: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@ .venv/.installed
+
+# A recording and its words become a video, an animated head and a table of curves.
+demo: .venv/.installed
+	$(BIN)/lipwright head install --if-missing
+	@mkdir -p demo
+	$(BIN)/lipwright animate examples/hello.flac --text examples/hello.txt \
+	  -o demo/hello.mp4 -o demo/hello.glb -o demo/hello.csv
+	@ls -l demo
+
+test: .venv/.tested
+	$(BIN)/lipwright head install --if-missing
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest
+
+lint: .venv/.tested
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: .venv/.tested
+	$(BIN)/python bench/alignment.py
+	$(BIN)/python bench/lips.py
+	$(BIN)/python bench/speed.py
+
+clean:
+	rm -rf .venv demo .pytest_cache .ruff_cache .mypy_cache .hypothesis
