@@ -111,7 +111,8 @@ SPOKEN = [
     ("e.g. this, i.e. that", "for example this that is that"),
     ("No. 5, no. No, no 6", "number five no no no six"),
     ("The cat sat. The sun.", "the cat sat the sun"),
-    ("Gen. Lee and Prof. X", "general lee and professor x"),
+    ("Gen. Lee and Prof X", "general lee and professor x"),
+    ("Gen Z ranks 5 in 10", "gen z ranks five in ten"),
     ("J. R. R. Tolkien, U.S.A.", "j r r tolkien u s a"),
     ("World War II", "world war two"),
     # capitals

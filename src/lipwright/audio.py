@@ -9,8 +9,9 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Final, Protocol, Self, cast
@@ -194,8 +195,8 @@ def open_audio(path: str | os.PathLike[str], rate: int | None = None) -> AudioFi
                 return _spool(name, decode(file, name), rate)
             except _CancelledError as cancelled:
                 return _spool(name, decode(file, name), rate, cancelled.loudest)
-    except (OSError, ValueError) as error:
-        raise _reading_error(name, path, error) from error
+    except OSError as error:
+        raise _reading_error(name, error) from error
 
 
 def read_audio(path: str | os.PathLike[str], rate: int | None = None) -> Audio:
@@ -210,34 +211,46 @@ def read_audio(path: str | os.PathLike[str], rate: int | None = None) -> Audio:
 
 @contextmanager
 def _open_seekable(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
-    """The file, or the whole of a pipe in a file without a name."""
-    with ExitStack() as stack:
-        piped = os.fspath(path) == "-"
-        file = sys.stdin.buffer if piped else stack.enter_context(Path(path).open("rb"))
-        if not file.seekable():
-            copy = stack.enter_context(tempfile.SpooledTemporaryFile(_IN_MEMORY))
-            shutil.copyfileobj(file, copy)
-            yield copy
-        else:
+    """The file, or a copy of a pipe in a file without a name."""
+    if os.fspath(path) == "-":
+        piped = sys.stdin.buffer
+        yield piped if piped.seekable() else _copy_of_input(piped)
+        return
+    if "\0" in os.fspath(path):
+        raise OSError(errno.EINVAL, "a NUL in the name")
+    with Path(path).open("rb") as file:
+        if file.seekable():
             yield file
+        else:
+            with closing(_copy_of(file)) as copy:
+                yield copy
 
 
-def _reading_error(
-    name: str, path: str | os.PathLike[str], error: OSError | ValueError
-) -> LipwrightError:
+def _copy_of(pipe: IO[bytes]) -> IO[bytes]:
+    with ExitStack() as stack:
+        copy = stack.enter_context(tempfile.SpooledTemporaryFile(_IN_MEMORY))
+        shutil.copyfileobj(pipe, copy)
+        stack.pop_all()
+        return cast("IO[bytes]", copy)
+
+
+# Standard input can be read only once, but is opened again: the aligner and a video want its sound.
+_copy_of_input = lru_cache(maxsize=1)(_copy_of)
+
+
+def _reading_error(name: str, error: OSError) -> LipwrightError:
     if isinstance(error, FileNotFoundError):
         return LipwrightError(f"{name}: no such file; check the path")
     if isinstance(error, IsADirectoryError):
         return LipwrightError(f"{name}: is a folder; name a sound file in it")
     if isinstance(error, PermissionError):
         return LipwrightError(f"{name}: may not be read; check its permissions")
-    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return LipwrightError(
             f"{name}: its decoded sound does not fit into {tempfile.gettempdir()}; set TMPDIR to a "
             "folder with more room"
         )
-    reason = (isinstance(error, OSError) and error.strerror) or str(error)  # a NUL in the path
-    return LipwrightError(f"{name!r}: cannot be read: {reason}; check the path")
+    return LipwrightError(f"{name!r}: cannot be read: {error.strerror}; check the path")
 
 
 class _CancelledError(Exception):

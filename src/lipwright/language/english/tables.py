@@ -5,18 +5,22 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final, Literal
 
-Where = Literal["anywhere", "dot", "title", "number"]
-"""where an abbreviation is one: anywhere; with a dot; capitalised before a capitalised word;
-before a number. Elsewhere it is a word of its own: "sat.", "no.", "the rep." """
+Where = Literal["anywhere", "dot", "title", "dotted title", "number"]
+"""where an abbreviation is one: anywhere; with a dot; capitalised before a capitalised word, with
+or without a dot, or only with a dot; before a number. Elsewhere it is a word of its own: "no.",
+"the rep." """
 
 ABBREVIATIONS: Final = MappingProxyType[str, tuple[str, Where]]({
     # titles
     "mr": ("mister", "anywhere"), "mrs": ("missus", "anywhere"), "dr": ("doctor", "anywhere"),
     "prof": ("professor", "title"), "st": ("saint", "title"), "mt": ("mount", "title"),
-    "ft": ("fort", "title"), "gen": ("general", "title"), "col": ("colonel", "title"),
+    "ft": ("fort", "dotted title"), "gen": ("general", "dotted title"),
+    "col": ("colonel", "dotted title"),
     "capt": ("captain", "title"), "lt": ("lieutenant", "title"), "sgt": ("sergeant", "title"),
-    "rev": ("reverend", "title"), "hon": ("honorable", "title"), "gov": ("governor", "title"),
-    "sen": ("senator", "title"), "rep": ("representative", "title"), "pres": ("president", "title"),
+    "rev": ("reverend", "dotted title"), "hon": ("honorable", "dotted title"),
+    "gov": ("governor", "dotted title"),
+    "sen": ("senator", "dotted title"), "rep": ("representative", "dotted title"),
+    "pres": ("president", "dotted title"),
     "jr": ("junior", "anywhere"), "sr": ("senior", "dot"), "ph.d": ("p h d", "anywhere"),
     "phd": ("p h d", "anywhere"),
     # months and days; "sat.", "sun." and "mon." end sentences
@@ -45,7 +49,7 @@ ABBREVIATIONS: Final = MappingProxyType[str, tuple[str, Where]]({
 UNITS: Final = MappingProxyType[str, tuple[str, str]]({
     "mm": ("millimeter", "millimeters"), "cm": ("centimeter", "centimeters"),
     "m": ("meter", "meters"),
-    "km": ("kilometer", "kilometers"), "in": ("inch", "inches"), "ft": ("foot", "feet"),
+    "km": ("kilometer", "kilometers"), "ft": ("foot", "feet"),
     "yd": ("yard", "yards"), "mi": ("mile", "miles"),
     "mg": ("milligram", "milligrams"), "g": ("gram", "grams"), "kg": ("kilogram", "kilograms"),
     "oz": ("ounce", "ounces"), "lb": ("pound", "pounds"), "lbs": ("pound", "pounds"),

@@ -129,11 +129,12 @@ class Reader:
             return ["street"]
         if lower in tables.ABBREVIATIONS:
             words, where = tables.ABBREVIATIONS[lower]
-            title = bare[:1].isupper() and after[:1].isupper() and not self._shouting
+            capitals = bare[:1].isupper() and after[:1].isupper()
             if {
                 "anywhere": True,
                 "dot": dotted,
-                "title": title or (dotted and bare[:1].isupper() and after[:1].isupper()),
+                "title": capitals and (dotted or not self._shouting),
+                "dotted title": capitals and dotted,
                 "number": after.lstrip("#")[:1].isdigit()
                 and (dotted or lower not in self._lexicon),
             }[where]:
