@@ -179,19 +179,32 @@ class Head:
 
     def normals(self, vertices: NDArray[np.floating]) -> NDArray[np.float32]:
         """Unit normals (V, 3) of the posed `vertices` (V, 3), weighted by area."""
-        corners = vertices[self.triangles]
-        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        welded = self.welds[self.triangles].ravel()
-        count = len(vertices)
+        x, y, z = np.ascontiguousarray(vertices.T, np.float32)
+        a, b, c = (self.triangles[:, k] for k in range(3))
+        x1, y1, z1 = x[b] - x[a], y[b] - y[a], z[b] - z[a]
+        x2, y2, z2 = x[c] - x[a], y[c] - y[a], z[c] - z[a]
+        order, starts, place = self._corners
         sums = np.stack(
             [
-                np.bincount(welded, np.repeat(faces[:, axis], 3), minlength=count)
-                for axis in range(3)
+                np.add.reduceat(face[order], starts)
+                for face in (y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2)
             ],
             axis=1,
-        )[self.welds]
-        lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-        return np.asarray(sums / np.maximum(lengths, 1e-20), np.float32)
+        )
+        lengths = np.sqrt(np.einsum("vc,vc->v", sums, sums))
+        return np.asarray((sums / np.maximum(lengths, 1e-20)[:, None])[place], np.float32)
+
+    @cached_property
+    def _corners(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+        """Triangles in the order of their welded corners, where each corner's run starts, and
+        the run of each vertex.
+        """
+        corners = self.welds[self.triangles].ravel()
+        order = np.argsort(corners, kind="stable")
+        used, starts = np.unique(corners[order], return_index=True)
+        run = np.zeros(len(self.vertices), np.intp)
+        run[used] = np.arange(len(used))
+        return order // 3, starts, run[self.welds]
 
     @cached_property
     def rest_normals(self) -> NDArray[np.float32]:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lipwright.face.raster import rasterise
+from lipwright.face.raster import barycentric, rasterise
 
 DIRECTIONS: Final = 72
 MAP_SIDE: Final = 176  # px of the depth maps
@@ -51,7 +51,8 @@ def _visible(
     points = turned.copy()
     points[:, :2] = (points[:, :2] / radius + 1) * (MAP_SIDE / 2)
     points = points.astype(np.float32)
-    covered, triangle, shares = rasterise(points, triangles, MAP_SIDE, MAP_SIDE)
+    covered, triangle = rasterise(points, triangles, MAP_SIDE, MAP_SIDE)
+    shares = barycentric(points, triangles, covered, triangle, MAP_SIDE)
     depth = np.full(MAP_SIDE * MAP_SIDE, np.inf)
     depth[covered] = (points[triangles[triangle], 2] * shares).sum(axis=1)
     column, row = np.clip(points[:, :2].astype(int), 0, MAP_SIDE - 1).T

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lipwright.face.eyes import EYE_TILE, IRIS_DEG, PUPIL_DEG
 from lipwright.face.head import linear_to_srgb
-from lipwright.face.raster import rasterise
+from lipwright.face.raster import barycentric, rasterise
 
 Vectors = NDArray[np.float64]
 Image = NDArray[np.float64]
@@ -83,7 +83,8 @@ def _unroll(
     half = triangles[vertices[triangles][:, :, 0].mean(axis=1) > 0].astype(np.int32)
     outward = np.hypot(vertices[:, 0], vertices[:, 2] - AXIS_Z_M)
     points = np.column_stack([skin_uvs(vertices) * SIDE, -outward]).astype(np.float32)
-    covered, triangle, shares = rasterise(points, half, SIDE, SKIN_ROWS)
+    covered, triangle = rasterise(points, half, SIDE, SKIN_ROWS)
+    shares = barycentric(points, half, covered, triangle, SIDE)
     values = np.column_stack([vertices, lip])
     places = np.zeros((SKIN_ROWS * SIDE, 4))
     places[covered] = np.einsum("nk,nkc->nc", shares, values[half[triangle]])

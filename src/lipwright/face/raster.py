@@ -15,8 +15,8 @@ Integers = NDArray[np.int32]
 
 def rasterise(
     points: Floats, triangles: Integers, width: int, height: int
-) -> tuple[Integers, Integers, Floats]:
-    """Which triangle is in front at the centre of each pixel, and where in it.
+) -> tuple[Integers, Integers]:
+    """Which triangle is in front at the centre of each pixel.
 
     Args:
         points: (V, 3) x and y in pixels from the top left corner, and depth, smaller in front.
@@ -25,29 +25,46 @@ def rasterise(
         height: of the picture in pixels.
 
     Returns:
-        For the n covered pixels: their places (n,) in reading order, their triangles (n,) and
-        barycentric coordinates (n, 3).
+        The n covered pixels: their places (n,) in reading order and their triangles (n,).
     """
     corners = points[triangles]
     triangle, row = _rows(corners[:, :, 1], height)
-    triangle, row, column = _pixels(corners, triangle, row, width)
+    first, counts = _spans(corners, triangle, row, width)
+    some = np.flatnonzero(counts)
+    triangle, row, first, counts = triangle[some], row[some], first[some], counts[some]
     planes = _planes(corners)
-    x, y = _centres(column), _centres(row)
-    place = row * width + column
-    at = planes[:, triangle]
-    depth = at[6] * x + at[7] * y + at[8]
+    slope = planes[6, triangle]
+    start = slope * _centres(first) + planes[7, triangle] * _centres(row) + planes[8, triangle]
+    steps = np.arange(counts.sum(), dtype=np.int32)
+    steps -= np.repeat((np.cumsum(counts) - counts).astype(np.int32), counts)
+    place = np.repeat(row * width + first, counts) + steps
+    depth = np.repeat(start, counts) + np.repeat(slope, counts) * steps.astype(np.float32)
     nearest = np.full(width * height, np.inf, np.float32)
     np.minimum.at(nearest, place, depth)
-    front = np.flatnonzero(depth <= nearest[place])
+    front = np.flatnonzero(depth <= nearest[place]).astype(np.int32)
     winner = np.full(width * height, -1, np.int32)
-    winner[place[front]] = front
+    winner[place[front]] = np.repeat(triangle, counts)[front]
     covered = np.flatnonzero(winner >= 0).astype(np.int32)
-    chosen = winner[covered]
-    at, x, y = at[:, chosen], x[chosen], y[chosen]
-    second = at[0] * x + at[1] * y + at[2]
-    third = at[3] * x + at[4] * y + at[5]
-    shares = np.stack([1 - second - third, second, third], axis=1)
-    return covered, triangle[chosen], shares
+    return covered, winner[covered]
+
+
+def barycentric(
+    points: Floats, triangles: Integers, places: Integers, chosen: Integers, width: int
+) -> Floats:
+    """Where in its triangle each pixel is: the shares (n, 3) of the three corners.
+
+    Args:
+        points: as for `rasterise`.
+        triangles: as for `rasterise`.
+        places: (n,) of pixels in reading order.
+        chosen: (n,) the triangle at each.
+        width: of the picture in pixels.
+    """
+    planes = _planes(points[triangles])
+    x, y = _centres(places % width), _centres(places // width)
+    second = planes[0, chosen] * x + planes[1, chosen] * y + planes[2, chosen]
+    third = planes[3, chosen] * x + planes[4, chosen] * y + planes[5, chosen]
+    return np.stack([1 - second - third, second, third], axis=1)
 
 
 def _centres(numbers: Integers) -> Floats:
@@ -68,26 +85,26 @@ def _runs(first: Integers, counts: Integers) -> tuple[Integers, Integers]:
     return owner, np.arange(len(owner), dtype=np.int32) + (first - starts)[owner]
 
 
-def _pixels(
+def _spans(
     corners: Floats, triangle: Integers, row: Integers, width: int
-) -> tuple[Integers, Integers, Integers]:
-    """Triangle, row and column of every pixel whose centre lies in a triangle."""
+) -> tuple[Integers, Integers]:
+    """The first column of each triangle in each of its rows, and how many columns follow."""
     y = _centres(row)
     left = np.full(len(row), np.inf, np.float32)
     right = np.full(len(row), -np.inf, np.float32)
     for a, b in ((0, 1), (1, 2), (2, 0)):
-        start, end = corners[triangle, a], corners[triangle, b]
-        crossed = (start[:, 1] <= y) != (end[:, 1] <= y)
-        rise = np.where(crossed, end[:, 1] - start[:, 1], 1)
-        x = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+        (ax, ay, _), (bx, by, _) = corners[:, a].T, corners[:, b].T
+        rise = by - ay
+        slope = (bx - ax) / np.where(rise == 0, 1, rise)
+        ay, by, x = ay[triangle], by[triangle], ax[triangle]
+        x = x + (y - ay) * slope[triangle]
+        crossed = (ay <= y) != (by <= y)
         left = np.where(crossed, np.minimum(left, x), left)
         right = np.where(crossed, np.maximum(right, x), right)
-    left = np.where(left > right, 0, left)
-    right = np.maximum(right, left)
-    first = np.clip(np.ceil(left - 0.5), 0, width).astype(np.int32)
-    last = np.clip(np.ceil(right - 0.5), 0, width).astype(np.int32)
-    span, column = _runs(first, last - first)
-    return triangle[span], row[span], column
+    empty = left > right
+    first = np.clip(np.ceil(np.where(empty, 0, left) - 0.5), 0, width).astype(np.int32)
+    last = np.clip(np.ceil(np.where(empty, 0, right) - 0.5), 0, width).astype(np.int32)
+    return first, np.maximum(last - first, 0)
 
 
 def _planes(corners: Floats) -> Floats:

@@ -8,7 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lipwright.face.head import Head
-from lipwright.face.shading import BACKGROUND, CAMERAS, GROUND, LIGHTS, SKY, SURFACES, View, unit
+from lipwright.face.shading import (
+    BACKGROUND,
+    CAMERAS,
+    LIGHTS,
+    SURFACES,
+    Surface,
+    VertexLight,
+    View,
+    background,
+    encode,
+    unit,
+)
 
 if TYPE_CHECKING:
     import moderngl
@@ -18,44 +29,57 @@ SAMPLES: Final = 4  # of a pixel's edge coverage
 _VERTEX: Final = """
 #version 330
 uniform mat4 camera;
-in vec3 position; in vec3 normal; in vec3 tint; in vec2 uv;
-out vec3 place; out vec3 facing; out vec3 tone; out vec2 spot;
+in vec3 position; in vec3 normal; in vec3 light; in vec3 shine; in vec2 uv;
+out vec3 place; out vec3 facing; out vec3 lit; out vec3 shining; out vec2 spot;
 void main() {
     gl_Position = camera * vec4(position, 1.0);
-    place = position; facing = normal; tone = tint; spot = uv;
+    place = position; facing = normal; lit = light; shining = shine; spot = uv;
 }
 """
 
 _ENCODE: Final = """
 vec3 encode(vec3 light) {
     light = clamp(light, 0.0, 1.0);
-    return mix(light * 12.92, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
+    vec3 root = sqrt(light);
+    vec3 fourth = sqrt(root);
+    return mix(light * 12.92,
+               0.662002687 * root + 0.684122060 * fourth - 0.323583601 * sqrt(fourth)
+                   - 0.0225411470 * light,
                step(0.0031308, light));
 }
 """
 
+_DECODE: Final = """
+vec3 decode(vec3 coded) {
+    return coded * (coded * (coded * 0.305306 + 0.682171) + 0.012523);
+}
+"""
+
+# Light comes from the vertices, which is cheap where OpenGL runs on the processor.
 _FRAGMENT: Final = """
 #version 330
 uniform sampler2D skin;
-uniform vec3 eye; uniform vec3 towards[3]; uniform vec3 colors[3];
-uniform vec3 sky; uniform vec3 ground;
-uniform vec3 wrap; uniform float gloss; uniform float power; uniform vec3 highlight;
-in vec3 place; in vec3 facing; in vec3 tone; in vec2 spot;
+in vec3 lit; in vec3 shining; in vec2 spot;
 out vec4 pixel;
-ENCODE
+CODES
+void main() { pixel = vec4(encode(decode(texture(skin, spot).rgb) * lit + shining), 1.0); }
+""".replace("CODES", _ENCODE + _DECODE)
+
+# The highlight of an eye is smaller than its triangles.
+_EYE_FRAGMENT: Final = """
+#version 330
+uniform sampler2D skin; uniform vec3 eye; uniform vec3 color; uniform float gloss;
+uniform float power; uniform vec3 highlight;
+in vec3 place; in vec3 facing; in vec3 lit; in vec3 shining; in vec2 spot;
+out vec4 pixel;
+CODES
 void main() {
-    vec3 n = normalize(facing);
-    vec3 v = normalize(eye - place);
-    if (dot(n, v) < 0.0) n = n - 2.0 * dot(n, v) * v;
-    vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y);
-    for (int i = 0; i < 3; i++)
-        light += colors[i] * max((dot(n, towards[i]) + wrap) / (1.0 + wrap), 0.0);
-    vec3 shine = colors[0] * gloss * pow(max(dot(n, normalize(v + highlight)), 0.0), power);
-    vec3 coded = texture(skin, spot).rgb;
-    vec3 albedo = coded * (coded * (coded * 0.3053 + 0.6822) + 0.0125) * tone;
-    pixel = vec4(encode(albedo * light + shine * min(4.0 * tone.r, 1.0)), 1.0);
+    vec3 middle = normalize(normalize(eye - place) + highlight);
+    float spread = pow(max(dot(normalize(facing), middle), 0.0), power);
+    vec3 shine = shining + color * gloss * spread;
+    pixel = vec4(encode(decode(texture(skin, spot).rgb) * lit + shine), 1.0);
 }
-""".replace("ENCODE", _ENCODE)
+""".replace("CODES", _ENCODE + _DECODE)
 
 _BACKDROP_VERTEX: Final = """
 #version 330
@@ -65,14 +89,10 @@ void main() { gl_Position = vec4(corner, 0.999999, 1.0); }
 
 _BACKDROP_FRAGMENT: Final = """
 #version 330
-uniform vec2 size; uniform vec3 middle; uniform vec3 corners;
+uniform sampler2D backdrop;
 out vec4 pixel;
-ENCODE
-void main() {
-    vec2 at = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) / size - vec2(0.5, 0.45);
-    pixel = vec4(encode(mix(middle, corners, smoothstep(0.0, 0.72, length(at)))), 1.0);
-}
-""".replace("ENCODE", _ENCODE)
+void main() { pixel = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0); }
+"""
 
 
 class GlPainter:
@@ -97,20 +117,40 @@ class GlPainter:
             context.depth_renderbuffer(self._size, samples=samples),
         )
         self._resolved = context.framebuffer([context.renderbuffer(self._size, 4)])
-        self._program = context.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
         self._texture = self._upload_texture(head.texture)
-        self._moving = context.buffer(reserve=head.vertices.size * 8, dynamic=True)
-        fixed = np.concatenate([head.tints, head.uvs], axis=1).astype(np.float32)
-        self._mesh = context.vertex_array(
-            self._program,
-            [
-                (self._moving, "3f 3f", "position", "normal"),
-                (context.buffer(fixed.tobytes()), "3f 2f", "tint", "uv"),
-            ],
-            context.buffer(head.triangles.tobytes()),
-        )
+        self._moving = context.buffer(reserve=head.vertices.size * 16, dynamic=True)
+        self._uvs = context.buffer(head.uvs.tobytes())
+        self._indices = context.buffer(head.triangles.tobytes())
+        self._light = VertexLight(head, view)
+        self._meshes = {
+            material: self._make_mesh(SURFACES[material], view)
+            for material in {part.material_name for part in head.parts}
+        }
         self._backdrop = self._make_backdrop()
-        self._light(view)
+
+    def _make_mesh(self, surface: Surface, view: View) -> moderngl.VertexArray:
+        """The head's buffers under the program for `surface`."""
+        sharp = surface.highlight is not None
+        program = self._context.program(
+            vertex_shader=_VERTEX, fragment_shader=_EYE_FRAGMENT if sharp else _FRAGMENT
+        )
+        matrix = CAMERAS[view].matrix(self._size[0] / self._size[1])
+        program["camera"].write(matrix.T.astype(np.float32).tobytes())
+        moving = [self._moving, "3f 3f 3f 3f", "position", "normal", "light", "shine"]
+        if surface.highlight is not None:
+            _set(
+                program,
+                eye=CAMERAS[view].eye,
+                color=LIGHTS[0].color,
+                gloss=surface.gloss,
+                power=surface.power,
+                highlight=unit(surface.highlight),
+            )
+        else:
+            moving[1:] = ["3f 12x 3f 3f", "position", "light", "shine"]
+        return self._context.vertex_array(
+            program, [tuple(moving), (self._uvs, "2f", "uv")], self._indices
+        )
 
     def _upload_texture(self, pixels: NDArray[np.uint8]) -> moderngl.Texture:
         height, width = pixels.shape[:2]
@@ -124,44 +164,32 @@ class GlPainter:
         program = self._context.program(
             vertex_shader=_BACKDROP_VERTEX, fragment_shader=_BACKDROP_FRAGMENT
         )
-        _set(program, size=self._size, middle=BACKGROUND[0], corners=BACKGROUND[1])
+        program["backdrop"].value = 1  # the second texture
+        pixels = np.rint(encode(background(*self._size)) * 255).astype(np.uint8)[::-1]
+        self._scene = self._context.texture(self._size, 3, pixels.tobytes(), alignment=1)
+        self._scene.use(1)
         corners = np.array([-1, -1, 3, -1, -1, 3], np.float32)
         return self._context.vertex_array(
             program, [(self._context.buffer(corners.tobytes()), "2f", "corner")]
         )
 
-    def _light(self, view: View) -> None:
-        camera = CAMERAS[view]
-        matrix = camera.matrix(self._size[0] / self._size[1])
-        self._program["camera"].write(matrix.T.astype(np.float32).tobytes())
-        _set(
-            self._program,
-            eye=camera.eye,
-            towards=[unit(light.direction) for light in LIGHTS],
-            colors=[light.color for light in LIGHTS],
-            sky=SKY,
-            ground=GROUND,
-        )
-
     def paint(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
         """The picture (H, W, 3) of the posed `vertices` (V, 3)."""
         normals = self._head.normals(vertices)
-        self._moving.write(np.concatenate([vertices, normals], axis=1).tobytes())
+        light = self._light.fall(vertices, normals)
+        self._moving.write(np.concatenate([vertices, normals, light], axis=1).tobytes())
         self._target.use()
         self._context.enable(self._context.DEPTH_TEST)
         self._target.clear(depth=1.0)
         self._texture.use()
         for part in self._head.parts:
-            surface = SURFACES[part.material_name]
-            _set(
-                self._program,
-                wrap=surface.wrap,
-                gloss=surface.gloss,
-                power=surface.power,
-                highlight=unit(surface.highlight or LIGHTS[0].direction),
-            )
+            if part.material.double_sided:
+                self._context.disable(self._context.CULL_FACE)
+            else:
+                self._context.enable(self._context.CULL_FACE)
             first, last = part.triangles.start, part.triangles.stop
-            self._mesh.render(vertices=3 * (last - first), first=3 * first)
+            self._meshes[part.material_name].render(vertices=3 * (last - first), first=3 * first)
+        self._context.disable(self._context.CULL_FACE)
         self._backdrop.render()
         self._context.copy_framebuffer(self._resolved, self._target)
         width, height = self._size

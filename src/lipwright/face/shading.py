@@ -9,6 +9,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lipwright.face.head import Head
+
 View = Literal["face", "mouth"]
 Floats = NDArray[np.float32]
 
@@ -116,3 +118,50 @@ def background(width: int, height: int) -> Floats:
     share = (far * far * (3 - 2 * far))[..., None]
     middle, corner = np.array(BACKGROUND)
     return np.asarray(middle + share * (corner - middle), np.float32)
+
+
+class VertexLight:
+    """The light that falls on a head, at its vertices, as one camera sees it."""
+
+    def __init__(self, head: Head, view: View) -> None:
+        """Gather the surfaces of the parts."""
+        self._tints = head.tints
+        self._eye = np.array(CAMERAS[view].eye, np.float32)
+        self._wrap = np.zeros((len(head.vertices), 3), np.float32)
+        self._gloss = np.zeros(len(head.vertices), np.float32)
+        self._power = np.ones(len(head.vertices), np.float32)
+        for part in head.parts:
+            surface = SURFACES[part.material_name]
+            self._wrap[part.vertices] = surface.wrap
+            self._power[part.vertices] = surface.power
+            if surface.highlight is None:
+                self._gloss[part.vertices] = surface.gloss
+
+    def fall(self, vertices: Floats, normals: Floats) -> Floats:
+        """Light times tint, and highlights (V, 6), linear RGB; eyes want theirs added."""
+        view = self._eye - vertices
+        view /= np.sqrt(np.einsum("vc,vc->v", view, view))[:, None]
+        away = np.minimum(np.einsum("vc,vc->v", normals, view), 0)
+        normals = normals - 2 * away[:, None] * view
+        sky, ground = np.array(SKY, np.float32), np.array(GROUND, np.float32)
+        light = ground + (0.5 + 0.5 * normals[:, 1:2]) * (sky - ground)
+        for source in LIGHTS:
+            cosine = (normals @ np.array(unit(source.direction), np.float32))[:, None]
+            lit = np.maximum((cosine + self._wrap) / (1 + self._wrap), 0)
+            light += lit * np.array(source.color, np.float32)
+        half = view + np.array(unit(LIGHTS[0].direction), np.float32)
+        half /= np.sqrt(np.einsum("vc,vc->v", half, half))[:, None]
+        cosine = np.maximum(np.einsum("vc,vc->v", normals, half), 0)
+        shine = self._gloss * cosine**self._power * np.minimum(4 * self._tints[:, 0], 1)
+        key = np.array(LIGHTS[0].color, np.float32)
+        return np.concatenate([light * self._tints, shine[:, None] * key], axis=1)
+
+
+def encode(light: Floats) -> Floats:
+    """sRGB 0 to 1 of linear light, to within half a step of 255; fast."""
+    light = np.clip(light, 0, 1, dtype=np.float32)
+    root = np.sqrt(light)
+    fourth = np.sqrt(root)
+    curve = 0.662002687 * root + 0.684122060 * fourth - 0.323583601 * np.sqrt(fourth)
+    dark = light < 0.0031308
+    return np.where(dark, 12.92 * light, curve - 0.0225411470 * light)
