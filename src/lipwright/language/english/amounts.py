@@ -127,6 +127,11 @@ def _range(found: Match[str], after: str) -> list[str]:
     return words + (tables.UNITS[unit][1].split() if unit else [])
 
 
+def _money_range(found: Match[str], after: str) -> list[str]:
+    first, last = found["from"], found["currency"] + found["to"]
+    return [*number(first), "to", *(read_amount(last, after) or [])]
+
+
 def _measure(found: Match[str], _: str) -> list[str]:
     one, many = tables.UNITS[found["unit"]]
     words = number(found["number"])
@@ -155,6 +160,8 @@ _RULES: Final[tuple[tuple[re.Pattern[str], Rule], ...]] = tuple(
         (r"(?P<year>[1-9]\d{3})-(?P<month>0[1-9]|1[012])-(?P<day>0[1-9]|[12]\d|3[01])", _date),
         (r"\+?\d+(?:[-.]\d+){2,}|\d{3}-\d{4}", lambda found, _: _groups(found[0])),
         (rf"(?P<from>{_NUMBER})-(?P<to>{_NUMBER})(?P<unit>{_UNIT})?", _range),
+        (rf"(?P<currency>{_CURRENCY})(?P<from>{_NUMBER})(?:{_SUFFIX})?-{_CURRENCY}?"
+         rf"(?P<to>(?:{_NUMBER})(?:{_SUFFIX})?)", _money_range),
         (r"(?:(?P<whole>\d{1,15}) )?(?P<above>\d{1,4})/(?P<below>\d{1,4})", _fraction),
         (rf"{_SIGN}(?P<number>{_NUMBER})(?P<unit>{_UNIT})", _measure),
         (rf"{_SIGN}(?P<number>{_NUMBER})",

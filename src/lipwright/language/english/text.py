@@ -13,9 +13,11 @@ from lipwright.language.base import SpokenWord
 from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.english import tables
 from lipwright.language.english.amounts import magnitude_words, read_amount, unit_words
-from lipwright.language.english.numbers import number
+from lipwright.language.english.numbers import digits, number
 
-_STAGE: Final = re.compile(r"\[[^\[\]]*\]")  # "[laughs]", over several lines too
+# "[laughs]", over several lines too, and the tags of marked-up text
+_UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")
+_AREA_CODE: Final = re.compile(r"\(\d{3}\)", re.ASCII)
 _EDGE: Final = '"()[]{}<>*_~|\\^`,;:!?'
 _SIGNS: Final = str.maketrans({
     **dict.fromkeys("‘’‛ʼʻ`´′", "'"), **dict.fromkeys("“”„‟«»″", '"'), "⁄": "/",
@@ -80,7 +82,7 @@ class Reader:
         return tuple(words)
 
     def _tokens(self, text: str, source: str) -> list[_Token]:
-        text = _STAGE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+        text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
         tokens = []
         for line, content in enumerate(text.split("\n"), 1):
             for found in re.finditer(r"\S+", content):
@@ -107,9 +109,8 @@ class Reader:
             return [own]
         if not bare:
             return []
-        if _ADDRESS.fullmatch(bare):
-            return self._address(bare)
         for words in (
+            self._special(token, before),
             self._short(token, before, after),
             magnitude_words(before, bare),
             unit_words(before, bare),
@@ -118,6 +119,17 @@ class Reader:
             if words is not None:
                 return words
         return self._runs(bare)
+
+    def _special(self, token: _Token, before: str) -> list[str] | None:
+        """The words of an address, an area code, or a fraction behind a number; or None."""
+        if _ADDRESS.fullmatch(token.bare):
+            return self._address(token.bare)
+        if _AREA_CODE.fullmatch(token.written):
+            return digits(token.bare)
+        if "/" in token.bare and before.isdigit():
+            mixed = read_amount(f"{before} {token.bare}", "") or []
+            return mixed[mixed.index("and") :] if "and" in mixed else None
+        return None
 
     def _short(self, token: _Token, before: str, after: str) -> list[str] | None:
         """The words of an abbreviation, or None."""
@@ -166,6 +178,10 @@ class Reader:
             if not all(part in self._lexicon for part in parts):
                 return [lower]
         words: list[str] = []
+        if "-" in bare and any(char.isdigit() for char in bare):  # "21st-century"
+            for part in bare.split("-"):
+                words += read_amount(part, "") or self._runs(part)
+            return words
         runs = _RUN.findall(bare)
         for index, run in enumerate(runs):
             if run[0].isdigit():
