@@ -1,0 +1,184 @@
+"""Clips to files; one module a format, and the two of ours back from files."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from lipwright.audio import Sound
+from lipwright.clip import Clip
+from lipwright.errors import LipwrightError
+from lipwright.export import csvclip, glb, jsonclip, livelink, mp4
+from lipwright.export.csvclip import read_clip_csv
+from lipwright.export.jsonclip import read_clip_json, read_performance_json
+from lipwright.export.performance import ExportOptions, Output, PathLike, Performance
+from lipwright.files import write_whole
+from lipwright.formats.suffixes import by_suffix
+from lipwright.track import PhoneTrack
+
+__all__ = [
+    "EXPORTERS",
+    "ExportOptions",
+    "Exporter",
+    "Performance",
+    "check_targets",
+    "export_all",
+    "export_clip",
+    "known_exports",
+    "read_clip",
+    "read_clip_csv",
+    "read_clip_json",
+    "read_performance_json",
+]
+
+
+@dataclass(frozen=True)
+class Exporter:
+    """One way to write a performance."""
+
+    about: str
+    """one line for people"""
+    outputs: Callable[[Path, Performance, ExportOptions], list[Output]]
+    """the files to write for a target, after all that can be checked before the work"""
+    read: Callable[[PathLike], Clip] | None = None
+    """the clip of such a file, where it can be read back"""
+
+
+EXPORTERS: Final = MappingProxyType({
+    ".json": Exporter("Lipwright clip", jsonclip.outputs, read_clip_json),
+    ".csv": Exporter("table: time and one column a control", csvclip.outputs, read_clip_csv),
+    ".livelink.csv": Exporter("Live Link Face recording, for Unreal", livelink.outputs),
+    ".glb": Exporter("animated head, with its sound beside it as WAV", glb.outputs),
+    ".mp4": Exporter("video of the head with sound", mp4.outputs),
+})  # fmt: skip
+"""suffix to exporter; the longest suffix wins"""
+
+
+def known_exports() -> dict[str, str]:
+    """Suffix of each export format, and what it is."""
+    return {suffix: entry.about for suffix, entry in EXPORTERS.items()}
+
+
+def export_clip(
+    path: PathLike,
+    clip: Clip,
+    *,
+    track: PhoneTrack | None = None,
+    audio: Sound | PathLike | None = None,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
+    options: ExportOptions | None = None,
+) -> None:
+    """Write a clip in the format of the file's suffix, whole or not at all.
+
+    Args:
+        path: the file; an older one is replaced.
+        clip: the curves.
+        track: the phones that they follow; kept by JSON.
+        audio: the sound from the clip's first frame on, or its file; kept by MP4 and GLB.
+        format: a suffix of `known_exports`, where that of the file does not say it.
+        options: choices of single formats.
+
+    Raises:
+        LipwrightError: as `export_all`.
+    """
+    export_all([path], Performance(clip, track, audio), format=format, options=options)
+
+
+def export_all(
+    paths: Iterable[PathLike],
+    performance: Performance,
+    *,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
+    options: ExportOptions | None = None,
+) -> None:
+    """Write a performance to several files, each whole or not at all.
+
+    No file takes its place before all are written, so that a failure leaves older files as they
+    were.
+
+    Args:
+        paths: the files; older ones are replaced.
+        performance: what to write.
+        format: a suffix of `known_exports` for all files, where theirs do not say it.
+        options: choices of single formats.
+
+    Raises:
+        LipwrightError: a format is unknown or cannot hold the performance, two files are the
+            same, one is the recording itself, or one cannot be written.
+    """
+    options = options or ExportOptions()
+    outputs: list[Output] = []
+    for path in map(Path, paths):
+        exporter = by_suffix(EXPORTERS, path, format, "export")
+        outputs += exporter.outputs(path, performance, options)
+    check_targets([output.path for output in outputs], performance.audio_path)
+    with ExitStack() as stack:
+        for output in outputs:
+            # Parts of finished files wait for the last one; the stack then moves them all.
+            part = stack.enter_context(write_whole(output.path))
+            try:
+                output.write(part)
+            except OSError as error:
+                reason = error.strerror or str(error)
+                raise LipwrightError(f"{output.path}: cannot be written: {reason}") from error
+
+
+def check_targets(paths: Iterable[PathLike], recording: PathLike | None = None) -> None:
+    """Find out before long work whether files can be written.
+
+    Args:
+        paths: the files.
+        recording: a file that none of them may replace.
+
+    Raises:
+        LipwrightError: two of them are the same, or one is a folder, the recording, or in a
+            folder that is missing or read-only.
+    """
+    seen: set[Path] = set()
+    for path in map(Path, paths):
+        place = path.parent.resolve() / path.name
+        if place in seen:
+            raise LipwrightError(f"{path}: two outputs have this name; give each its own")
+        seen.add(place)
+        _check_target(path)
+        if recording is not None and _is_same(path, Path(recording)):
+            raise LipwrightError(f"{path}: is the recording itself; name another output")
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    return path.exists() and other.exists() and path.samefile(other)
+
+
+def _check_target(path: Path) -> None:
+    if path.is_dir():
+        raise LipwrightError(f"{path}: is a folder; name a file")
+    if not path.parent.is_dir():
+        raise LipwrightError(f"{path}: its folder {path.parent} does not exist; create it first")
+    try:
+        # Permissions alone do not tell: the file system may be read-only, the user root.
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".lipwright-"):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise LipwrightError(f"{path}: cannot be written: {reason}; name another folder") from error
+
+
+def read_clip(
+    path: PathLike,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
+) -> Clip:
+    """The clip of a JSON or CSV file that was exported.
+
+    Raises:
+        LipwrightError: the format is unknown or cannot be read back, or the file is wrong.
+    """
+    exporter = by_suffix(EXPORTERS, path, format, "clip")
+    if exporter.read is None:
+        known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.read)
+        raise LipwrightError(f"{path}: cannot be read back as a clip; readable are {known}")
+    return exporter.read(path)

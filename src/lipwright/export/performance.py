@@ -1,0 +1,92 @@
+"""What exporters write: a clip with its track and sound."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lipwright.audio import Sound, open_audio
+from lipwright.clip import Clip
+from lipwright.track import PhoneTrack
+
+PathLike = str | os.PathLike[str]
+
+MAX_SIDE = 4096  # px; H.264 level 5.2 ends near it
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """Curves, and what is said and heard with them."""
+
+    clip: Clip
+    track: PhoneTrack | None = None
+    """the phones that the curves follow"""
+    audio: Sound | PathLike | None = None
+    """the sound from the clip's first frame on, or its file"""
+
+    @property
+    def audio_path(self) -> Path | None:
+        """The file of the sound, where that is known."""
+        name = self.audio
+        if name is not None and not isinstance(name, str | os.PathLike):
+            name = getattr(name, "name", None)
+        return None if name is None else Path(name)
+
+    @contextmanager
+    def open_sound(self) -> Iterator[Sound | None]:
+        """The sound, or None where there is none.
+
+        Raises:
+            LipwrightError: the file of the sound cannot be read.
+        """
+        if self.audio is None or not isinstance(self.audio, str | os.PathLike):
+            yield self.audio
+        else:
+            with open_audio(self.audio) as sound:
+                yield sound
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Choices of single formats; the others pass over them.
+
+    Raises:
+        ValueError: a side of the video is odd or out of range.
+    """
+
+    size: tuple[int, int] = (512, 512)
+    """width and height of a video in pixels; even, since H.264 halves the colours"""
+    title: str = ""
+    """of a video"""
+    progress: Callable[[int, int], None] | None = field(default=None, compare=False)
+    """called with the video frames that are done and their number in all"""
+
+    def __post_init__(self) -> None:
+        """Check."""
+        if any(side % 2 or not 16 <= side <= MAX_SIDE for side in self.size):
+            raise ValueError(
+                f"a video of {self.size[0]} x {self.size[1]} pixels; both must be even numbers "
+                f"from 16 to {MAX_SIDE}"
+            )
+
+
+@dataclass(frozen=True)
+class Output:
+    """One file that an exporter makes."""
+
+    path: Path
+    """where it will be"""
+    write: Callable[[Path], None]
+    """writes it to another path first"""
+
+
+def text_output(path: Path, make_text: Callable[[], str]) -> Output:
+    """An output of UTF-8 text with Unix line ends, made when it is written."""
+
+    def write(part: Path) -> None:
+        part.write_bytes(make_text().encode("utf-8"))
+
+    return Output(path, write)
