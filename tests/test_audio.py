@@ -463,7 +463,7 @@ def test_any_bytes_give_sound_or_a_clear_error(tmp_path_factory, head, data):
     try_to_read(head + data, tmp_path_factory.getbasetemp())
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(data=st.data())
 def test_damaged_files_give_sound_or_a_clear_error(recordings, tmp_path_factory, data):
     content = bytearray((recordings / data.draw(st.sampled_from(list(MAKERS)))).read_bytes())
