@@ -30,7 +30,6 @@ HUB: Final = -2
 
 PAUSE_COST: Final = 3.0  # nats
 NOISE_COST: Final = 18.0  # nats, pocketsphinx: fillprob 1e-8
-OTHER_COST: Final = 20.0  # nats, to begin something that the transcript lacks
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,7 @@ class Graph:
     position: Ints
     """(N,) index of the phone in the pronunciation"""
     cost: npt.NDArray[np.float32]
-    """(N,) nats to enter the node"""
+    """(N,) nats to enter the node; of ANY_SPEECH, the search decides"""
     predecessors: tuple[tuple[int, ...], ...]
     """N rows of nodes and hubs from which the node may be entered"""
     exits: tuple[tuple[int, ...], ...]
@@ -93,7 +92,7 @@ class _Builder:
             node = self.add(senones, base, hub, FILLER_WORD, 0, cost, (HUB - hub,))
             self.exits[hub].append(node)
         any_speech = (ANY_SPEECH,) * 3
-        node = self.add(any_speech, self.pause, hub, FILLER_WORD, 0, OTHER_COST, (HUB - hub,))
+        node = self.add(any_speech, self.pause, hub, FILLER_WORD, 0, 0.0, (HUB - hub,))
         self.exits[hub].append(node)
 
     def add_word(self, index: int) -> None:

@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from lipwright.audio import Sound
 
 _LOUD: Final = 0.95  # quantile of the levels that is brought to _LOUD_DB
+_QUIET: Final = 0.05  # quantile of the levels that is taken for the noise floor
 _LOUD_DB: Final = 88.0  # dB of mel power, the usual level of speech in 16-bit samples
 _DEPTH_DB: Final = 60.0  # what lies deeper under the loud frames counts as so deep: digital zeros
 _MEAN_REACH: Final = 15.0  # s on both sides over which the mean of the cepstra is taken
+_MEAN_MARGIN: Final = 0.5  # s of silence around speech that count as in the model's training
 _MEAN_STEP: Final = 5.0  # s between two such means
 _MEAN_WEIGHT: Final = 2.0  # s of speech for which the mean of the whole recording counts
 _STRETCH: Final = 1500  # frames whose noise is removed at once
@@ -43,16 +45,22 @@ def levels(power: Floats) -> Doubles:
     return np.asarray(10 * np.log10(power.sum(axis=1, dtype=np.float64) + 1e-4))
 
 
-def static_features(power: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
-    """Cepstra (T, 13) with the mean of speech taken off, and (T,) where speech may be."""
+def dynamic_range(power: Floats) -> float:
+    """How far loud frames rise over the quietest, in dB."""
+    quiet, loud = np.quantile(levels(power), (_QUIET, _LOUD))
+    return float(loud - quiet)
+
+
+def static_features(power: Floats) -> Floats:
+    """Cepstra (T, 13) with the mean of speech taken off."""
     level = levels(power)
     loud = float(np.quantile(level, _LOUD))
     gain = 10 ** ((_LOUD_DB - loud) / 10)
-    active = speech_frames(level, FRAME_RATE)
+    active = speech_frames(level, FRAME_RATE, _MEAN_MARGIN)
     least = 10 ** ((_LOUD_DB - _DEPTH_DB) / 10) / power.shape[1]
     clean = _without_noise(np.maximum(power * np.float32(gain), np.float32(least)))
     static = cepstra(clean)
-    return static - _speech_mean(static, active), active
+    return static - _speech_mean(static, active)
 
 
 def _without_noise(power: Floats) -> Floats:

@@ -13,7 +13,9 @@ from lipwright.speech.search import STRICT, Costs, Search, Segment
 
 _CONTEXT: Final = 2  # right words on each side that are heard again
 _FARTHEST: Final = 2000  # frames, 20 s, that are heard again before the first or after the last
-_LOOSE: Final = Costs(skip=STRICT.skip, other=1.5)  # no word is left out, other speech is cheap
+_LOOSE: Final = Costs(
+    skip=STRICT.skip, begin_other=10.0, other=1.5
+)  # no word is left out, other speech is cheap
 _LEAST_SPOKEN: Final = 0.5  # share of a misfit's frames that are speech, to stay in the track
 
 
@@ -72,12 +74,9 @@ class Judge:
             min(self.placed[words[-1]].stop + _FARTHEST, len(self.scores)))  # fmt: skip
         search, path = self._search(words, start, stop, _LOOSE)
         self.spoken += [(s.start, s.stop) for s in path if _is_other(search, s)]
-        # The outermost words have lost their own neighbours: they keep their first places.
-        kept = set(before[: _CONTEXT - 1] + after[_CONTEXT - 1 :])
         for word in placed_words(search.graph, path):
             index = words[word.index]
-            if index not in kept:
-                self.placed[index] = replace(word, index=index)
+            self.placed[index] = replace(word, index=index)
 
     def _place_misfits(
         self, run: list[int], fitting: list[int],

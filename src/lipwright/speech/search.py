@@ -30,10 +30,12 @@ NEVER: Final = np.float32(-1e30)
 class Costs:
     """What it costs to depart from the transcript."""
 
-    skip: float = 60.0
+    skip: float = 40.0
     """nats to leave out a word"""
-    other: float = 3.0
-    """nats a frame for what the transcript lacks"""
+    begin_other: float = 10.0
+    """nats to begin something that the transcript lacks"""
+    other: float = 2.0
+    """nats a frame of it"""
 
     def skips(self, count: int) -> Floats:
         """(count,) nats to leave out 0, 1, 2... words."""
@@ -45,6 +47,21 @@ class Costs:
 
 STRICT: Final = Costs(skip=np.inf, other=1e3)
 """each word must be somewhere"""
+
+# In noise, right words score lower, and must not be taken for wrong ones.
+_NOISY: Final = Costs(skip=100.0, begin_other=20.0, other=4.0)
+_CLEAN_RANGE, _NOISY_RANGE = 30.0, 15.0  # dB from the quietest to the loud frames
+
+
+def costs_for(dynamic_range: float) -> Costs:
+    """What suits a recording whose speech rises `dynamic_range` dB over its floor."""
+    share = (_CLEAN_RANGE - dynamic_range) / (_CLEAN_RANGE - _NOISY_RANGE)
+    noisy, clean = float(np.clip(share, 0, 1)), Costs()
+    return Costs(
+        clean.skip + noisy * (_NOISY.skip - clean.skip),
+        clean.begin_other + noisy * (_NOISY.begin_other - clean.begin_other),
+        clean.other + noisy * (_NOISY.other - clean.other),
+    )
 
 
 @dataclass(frozen=True)
@@ -108,6 +125,8 @@ class Search:
         )
         self._several = _padded([graph.predecessors[i] for i in self._choosers], _NOWHERE)
         self._exits = _padded(graph.exits, _NOWHERE)
+        is_other = graph.senones[:, 0] == ANY_SPEECH
+        self._cost = graph.cost + np.where(is_other, self.costs.begin_other, 0).astype(np.float32)
 
     def run(self, start: int, stop: int, first_hub: int, to_end: bool) -> list[Segment]:
         """The best path over frames `start` to `stop` from `first_hub` on.
@@ -222,7 +241,7 @@ class _Reach:
         exits = np.empty((n_frames, n_hubs), np.uint8)
         skipped = np.empty((n_frames, n_hubs), np.bool_)
         stay, leave = search._stay[:, self.nodes], search._leave[:, self.nodes]
-        cost = graph.cost[self.nodes]
+        cost = search._cost[self.nodes]
         places = np.full(n_nodes + n_hubs + 1, NEVER, np.float32)
         states, at_hub = self.states, self.at_hub
         choosers, hub_rows = np.arange(len(self._choosers)), np.arange(n_hubs)

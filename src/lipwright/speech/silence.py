@@ -13,7 +13,7 @@ _FLOOR_SHARE: Final = 0.1  # quantile of the levels that is taken for the noise 
 _SPEECH_SHARE: Final = 0.95  # and for the level of speech
 _RISE: Final = 0.25  # share of the way from floor to speech, in dB, at which speech begins
 _LEAST_RISE: Final = 6.0  # dB, at least so much over the floor
-_MARGIN: Final = 0.25  # s around speech: weak beginnings and ends
+MARGIN: Final = 0.25  # s around speech: weak beginnings and ends
 _LEAST_PAUSE: Final = 0.2  # s between two spans
 
 
@@ -27,8 +27,10 @@ def level_contour(samples: npt.NDArray[np.floating], rate: int, fps: float = 100
     return np.asarray(10 * np.log10(np.maximum(power, 1e-12)))
 
 
-def speech_frames(levels: npt.ArrayLike, fps: float = 100.0) -> npt.NDArray[np.bool_]:
-    """(T,) whether each frame of a level contour in dB may hold speech, margins included.
+def speech_frames(
+    levels: npt.ArrayLike, fps: float = 100.0, margin: float = MARGIN
+) -> npt.NDArray[np.bool_]:
+    """(T,) whether each frame of a level contour in dB is in speech or `margin` s from it.
 
     The threshold lies between the noise floor and the loud frames of the contour itself. A
     contour that hardly moves has no floor to tell from speech: all of it may be speech.
@@ -40,7 +42,7 @@ def speech_frames(levels: npt.ArrayLike, fps: float = 100.0) -> npt.NDArray[np.b
     threshold = floor + max(_RISE * (speech - floor), _LEAST_RISE)
     if threshold > speech:
         return np.ones(len(levels), np.bool_)
-    reach = round(_MARGIN * fps)
+    reach = round(margin * fps)
     marks = np.pad((levels > threshold).astype(np.int64), reach)
     total = np.concatenate([[0], np.cumsum(marks)])
     return np.asarray(total[2 * reach + 1 :] - total[: -2 * reach - 1] > 0)

@@ -18,10 +18,10 @@ from lipwright.speech.fit import SpokenRow, placed_words
 from lipwright.speech.graph import build_graph
 from lipwright.speech.path import find_path
 from lipwright.speech.placing import to_alignment
-from lipwright.speech.recording import SILENT_DB, levels, spectra, static_features
+from lipwright.speech.recording import SILENT_DB, dynamic_range, levels, spectra, static_features
 from lipwright.speech.repair import Judge
 from lipwright.speech.scores import Scores
-from lipwright.speech.search import Search
+from lipwright.speech.search import Search, costs_for
 
 if TYPE_CHECKING:
     from lipwright.audio import Sound
@@ -59,13 +59,13 @@ class SphinxAligner:
             raise LipwrightError(
                 f"{name}: nothing is heard; record it louder, or name another file"
             )
-        static, _ = static_features(power)
+        static, costs = static_features(power), costs_for(dynamic_range(power))
         del power
         report(_HEARD)
         rows = [_spoken_row(word, language, dictionary) for word in words]
         scores = Scores(load_model(), static)
         graph = build_graph(scores.model, [row.model_phones for row in rows])
-        path = find_path(Search(graph, scores), lambda s: report(_HEARD + (1 - _HEARD) * s))
+        path = find_path(Search(graph, scores, costs), lambda s: report(_HEARD + (1 - _HEARD) * s))
         judged = Judge(scores, rows, placed_words(graph, path)).judge()
         return to_alignment(judged, rows, audio)
 
