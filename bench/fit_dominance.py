@@ -20,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from grid import Sentence, sentences
 from scipy.optimize import least_squares
 
+from grid import Sentence, sentences
 from lipwright.engines.dominance import TARGET_COLUMNS
 from lipwright.evaluate.lips import speech_span
 from lipwright.files import write_whole
@@ -75,7 +75,8 @@ RULES: dict[str, Rule] = {
     "UH": Rule(0.8, 0.4, (0, 0, 0.3), 0.35, measures=(0.5, 1.0, -0.8, 0.8)),
     "UW": Rule(0.8, 0.3, (0, 0, 0.4), 0.35),
     "UX": Rule(0.8, 0.3, (0.1, 0, 0.2), 0.35, measures=(0.4, 1.5, -1.1, 0.8)),
-    "AW": VOWEL, "AY": Rule(0.8, pull_tongue=0.35), "EY": FRONT, "OW": Rule(0.8, 0.5, (0, 0, 0.2), 0.35),
+    "AW": VOWEL, "AY": Rule(0.8, pull_tongue=0.35), "EY": FRONT,
+    "OW": Rule(0.8, 0.5, (0, 0, 0.2), 0.35),
     "OY": Rule(0.8, 0.5, (0, 0, 0.1), 0.35, measures=(0.8, 1.3, -1.3, 1.2)),
     "P": Rule(1.0), "B": Rule(1.0), "M": Rule(1.0), "EM": Rule(1.0),
     "F": Rule(0.8), "V": Rule(0.8),
@@ -85,12 +86,14 @@ RULES: dict[str, Rule] = {
     "NX": Rule(0.5, tongue=(0.8, 0, 0), pull_tongue=2.0),
     "L": Rule(0.6, tongue=(0.95, 0, 0.1), pull_tongue=3.0),
     "EL": Rule(0.6, tongue=(0.9, 0, 0.2), pull_tongue=3.0),
-    "S": Rule(0.4, tongue=(0.55, 0, 0), pull_tongue=2.5), "Z": Rule(0.4, tongue=(0.55, 0, 0), pull_tongue=2.5),
+    "S": Rule(0.4, tongue=(0.55, 0, 0), pull_tongue=2.5),
+    "Z": Rule(0.4, tongue=(0.55, 0, 0), pull_tongue=2.5),
     "SH": Rule(0.35, 0.8, (0.4, 0, 0.1), 2.5, 0.25, (0.75, 1.0, -0.9, 1.6)),
     "ZH": Rule(0.35, 0.8, (0.4, 0, 0.1), 2.5, 0.25, (0.7, 1.0, -0.9, 1.6)),
     "CH": Rule(0.35, 0.8, (0.6, 0, 0), 2.5, 0.25, (0.7, 0.9, -0.8, 1.5)),
     "JH": Rule(0.35, 0.8, (0.6, 0, 0), 2.5, 0.25, (0.7, 0.9, -0.8, 1.5)),
-    "K": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0), "G": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0),
+    "K": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0),
+    "G": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0),
     "NG": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0, measures=(0.7, 0.35, 0.0, 0.5)),
     "ENG": Rule(0.7, tongue=(0, 0, 1.0), pull_tongue=3.0, measures=(0.6, 0.4, 0.0, 0.5)),
     "HH": Rule(0.8, pull_tongue=0.2, measures=(0.6, 0.2, 0.0, 0.2)),
@@ -120,6 +123,7 @@ class Measured:
     """What the fit needs of one sentence."""
 
     def __init__(self, sentence: Sentence, index: dict[str, int]) -> None:
+        """Measure a sentence; `index` numbers the labels."""
         rows = labels(sentence)
         self.index = np.array([index[label] for label, _, _ in rows])
         self.start = np.array([start for _, start, _ in rows])
@@ -138,10 +142,14 @@ class Measured:
 
 
 class Fit:
-    """Pulls and targets of one measure. Parameters: log strengths (L), log rises and falls of
-    silence, vowels, consonants (6), log power, lead, plateau."""
+    """Pulls and targets of one measure.
+
+    Parameters: log strengths (L), log rises and falls of silence, vowels and consonants (6), log
+    power, lead, plateau.
+    """
 
     def __init__(self, names: list[str], data: list[Measured], measure: str) -> None:
+        """Start from equal strengths for the labels `names`."""
         self.names, self.data, self.measure = names, data, measure
         self.count = len(names)
         self.silence = names.index("sil")
@@ -248,13 +256,19 @@ def table(opening: Fit, width: Fit, open_fit: npt.NDArray[np.float64],
             given = GLIDES.get(phone.symbol, rule.measures) if part == 2 else rule.measures
             if given is None:
                 at = opening.names.index(label)
-                given = (open_targets[at], np.exp(open_fit[at]), wide_targets[at], np.exp(wide_fit[at]))
+                given = (
+                    open_targets[at],
+                    np.exp(open_fit[at]),
+                    wide_targets[at],
+                    np.exp(wide_fit[at]),
+                )
                 source = "fitted"
             else:
                 source = "rule"
             values = controls(rule, given[0], given[2])
             rows.append(
-                {"phone": phone.symbol, "part": str(part), "example": phone.example, "source": source}
+                {"phone": phone.symbol, "part": str(part), "example": phone.example,
+                 "source": source}
                 | {name: f"{value:.3f}" for name, value in values.items()}
                 | {"pull_jaw": f"{given[1]:.2f}", "pull_lips": f"{given[3]:.2f}",
                    "pull_tongue": f"{rule.pull_tongue:.2f}"}
@@ -263,7 +277,7 @@ def table(opening: Fit, width: Fit, open_fit: npt.NDArray[np.float64],
 
 
 HEADER = """\
-# Targets of the dominance engine, written by bench/fit_dominance.py. One row a phone, two a diphthong.
+# Targets of the dominance engine, written by bench/fit_dominance.py; two rows a diphthong.
 # source: fitted = opening and width measured on GRID speaker 1 (Cooke et al. 2006, CC BY 4.0),
 # training sentences only; rule = set from articulation. Tongue columns are always by rule.
 """
@@ -286,15 +300,16 @@ def main() -> None:
         n = fit.count
         print(f"{fit.measure}: r on train {fit.correlation(data, parameters):.3f}, "
               f"on test {fit.correlation(held_out, parameters):.3f}")  # fmt: skip
-        print("  rise", np.exp(parameters[n : n + 3]).round(2), "fall",
-              np.exp(parameters[n + 3 : n + 6]).round(2), "power", np.exp(parameters[n + 6]).round(3),
-              "plateau", parameters[n + 8].round(3), "lead", parameters[n + 7].round(4))  # fmt: skip
+        rise, fall = np.exp(parameters[n : n + 3]), np.exp(parameters[n + 3 : n + 6])
+        power, lead, plateau = np.exp(parameters[n + 6]), parameters[n + 7], parameters[n + 8]
+        print(f"  rise {rise.round(2)} fall {fall.round(2)} power {power:.3f} "
+              f"plateau {plateau:.3f} lead {lead:.4f}")  # fmt: skip
         fits.append(parameters)
     rows = table(opening, width, *fits)
     for row in rows:
-        print(row["phone"] + row["part"].replace("0", ""), row["source"],
-              *(f"{k}={v}" for k, v in row.items() if k not in ("phone", "part", "example", "source")
-                and float(v) != 0))  # fmt: skip
+        numbers = {k: v for k, v in row.items() if k not in ("phone", "part", "example", "source")}
+        moved = (f"{k}={v}" for k, v in numbers.items() if float(v) != 0)
+        print(row["phone"] + row["part"].replace("0", ""), row["source"], *moved)
     if not options.dry_run:
         text = HEADER + ",".join(rows[0]) + "\n"
         text += "".join(",".join(row.values()) + "\n" for row in rows)

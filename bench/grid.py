@@ -23,9 +23,8 @@ CACHE = Path(__file__).resolve().parent / "cache"
 COMMANDS = {"b": "bin", "l": "lay", "p": "place", "s": "set"}
 COLOURS = {"b": "blue", "g": "green", "r": "red", "w": "white"}
 PREPOSITIONS = {"a": "at", "b": "by", "i": "in", "w": "with"}
-DIGITS = dict(
-    zip("z123456789", "zero one two three four five six seven eight nine".split(), strict=True)
-)
+_DIGIT_NAMES = "zero one two three four five six seven eight nine"
+DIGITS = dict(zip("z123456789", _DIGIT_NAMES.split(), strict=True))
 ADVERBS = {"a": "again", "n": "now", "p": "please", "s": "soon"}
 
 TEST = VALIDATION = 50  # sentences, DESIGN.md

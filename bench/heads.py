@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from grid import CORPORA
 
+from grid import CORPORA
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
 
@@ -43,16 +43,16 @@ def ruler_head(corpora: Path = CORPORA) -> Ruler:
     """
     data = np.load(corpora / "rulers" / "ict-landmarks.npz")
     neutral, deltas = data["neutral"].astype(float), data["deltas"].astype(float)
-    names = [
-        str(n).replace("_L", "Left").replace("_R", "Right") for n in data["names"]
-    ]
+    names = [str(n).replace("_L", "Left").replace("_R", "Right") for n in data["names"]]
     # ARKit has one inner brow control, the ruler two halves.
     targets = ["browInnerUp" if n.startswith("browInnerUp") else n for n in names]
     resting = float(_frontal_aperture(neutral[None])[0])
 
     def measure(clip: Clip) -> npt.NDArray[np.float64]:
-        weights = clip.select(targets).values if len(set(targets)) == len(targets) else (
-            np.stack([clip.select([n]).values[:, 0] for n in targets], axis=1)
+        weights = (
+            clip.select(targets).values
+            if len(set(targets)) == len(targets)
+            else (np.stack([clip.select([n]).values[:, 0] for n in targets], axis=1))
         )
         points = neutral + np.einsum("tc,cpx->tpx", weights.astype(float), deltas)
         return np.maximum(_frontal_aperture(points) - resting, 0)

@@ -20,9 +20,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+
 from grid import CORPORA, Sentence, sentences
 from heads import rulers
-
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool

@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from grid import CORPORA, sentences
 
+from grid import CORPORA, sentences
 from lipwright.audio import Audio, read_audio, write_wav
 
 RATE = 16000  # Hz
@@ -94,19 +94,18 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         clip = sentences("test", options.corpora)[0]
-        command = [*lipwright, "animate", str(clip.audio), "--text", clip.text]
-        report("animate 3 s to CSV", *median_run([*command, "-o", f"{folder}/a.csv"], options.runs), 3)
-        for seconds, runs in ((65, options.runs), (600, 1)):
-            sound, text = make_recording(folder, seconds, options.corpora)
-            command = [*lipwright, "animate", str(sound), "--text", str(text), "-o", f"{folder}/b.csv"]
+
+        def animate(sound: Path, text: object, out: str) -> list[str]:
+            return [*lipwright, "animate", str(sound), "--text", str(text), "-o", f"{folder}/{out}"]
+
+        command = animate(clip.audio, clip.text, "a.csv")
+        report("animate 3 s to CSV", *median_run(command, options.runs), 3)
+        for seconds, runs in ((65, options.runs), (600, 1), *(((3600, 1),) * options.hour)):
+            command = animate(*make_recording(folder, seconds, options.corpora), "b.csv")
             figure = median_run(command, runs) if runs > 1 else run(command)
             report(f"animate {seconds} s to CSV", *figure, seconds)
-        if options.hour:
-            sound, text = make_recording(folder, 3600, options.corpora)
-            command = [*lipwright, "animate", str(sound), "--text", str(text), "-o", f"{folder}/c.csv"]
-            report("animate 3600 s to CSV", *run(command), 3600)
-        command = [*lipwright, "animate", str(clip.audio), "--text", clip.text]
-        report("animate 3 s to MP4", *median_run([*command, "-o", f"{folder}/a.mp4"], options.runs), 3)
+        command = animate(clip.audio, clip.text, "a.mp4")
+        report("animate 3 s to MP4", *median_run(command, options.runs), 3)
     if options.json:
         options.json.write_text(json.dumps(figures, indent=1), "utf-8")
 

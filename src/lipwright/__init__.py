@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from lipwright.pipeline import AlignOptions, AnimateOptions, align_speech, animate
     from lipwright.rig import Rig
     from lipwright.track import PhoneTrack
-    from lipwright.version import VERSION as __version__
+    from lipwright.version import VERSION as __version__  # noqa: N811  # as Python calls it
 
 _HOMES = {
     "AlignOptions": "lipwright.pipeline",

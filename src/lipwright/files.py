@@ -17,21 +17,25 @@ def write_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     The part keeps the suffixes of `path`, since some writers choose their format by them.
     Whatever ends the block early, an error, Ctrl-C or a full disk, removes the part and leaves
-    an older `path` as it was.
+    an older `path` as it was. A link is followed: the file that it names is replaced.
 
     Raises:
-        LipwrightError: the target is a folder, or its folder is missing, full or read-only.
+        LipwrightError: the target is a folder, device or pipe, or its folder is missing, full or
+            read-only.
     """
-    target = Path(path)
-    if target.is_dir():
-        raise LipwrightError(f"{target}: is a folder; name a file")
-    part = target.with_name(f".{secrets.token_hex(4)}.part.{target.name}")
+    target = Path(os.path.realpath(path))
+    # The end of a long name, with its suffixes: four bytes a letter, the part's name fits in 255.
+    part = target.with_name(f".{secrets.token_hex(4)}.part.{target.name[-60:]}")
     try:
+        if target.is_dir():
+            raise LipwrightError(f"{path}: is a folder; name a file")
+        if target.exists() and not target.is_file():
+            raise LipwrightError(f"{path}: is a device or pipe; name a file")
         yield part
-        os.replace(part, target)
+        part.replace(target)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise LipwrightError(f"{target}: cannot be written: {reason}") from error
+        raise LipwrightError(f"{path}: cannot be written: {reason}") from error
     finally:
         with suppress(OSError):
             part.unlink()

@@ -8,8 +8,10 @@ what comes later wins, so closures come after everything that could open the lip
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -27,6 +29,7 @@ Floats = npt.NDArray[np.float64]
 Pass = Callable[[Clip, PhoneTrack], Clip]
 
 MAX_INTENSITY = 3.0
+CEILING_KNEE = 0.8  # where a scaled control begins to bend towards its full range
 SPEED_LIMIT = 15.0  # a second, full ranges; Xu et al. 2013, section 2.2.5
 SMOOTHING = 0.012  # s, standard deviation; removes corners, keeps an 80 ms closure
 SPEECH_LEAD = 0.12  # s before the first sound in which the mouth begins to open
@@ -69,7 +72,8 @@ def ease(x: npt.ArrayLike) -> Floats:
 def intensity(amount: float) -> Pass:
     """Scale the motion of jaw and lips: 0.5 mumbles, 1 changes nothing, 1.5 over-articulates.
 
-    What would pass the full range bends towards it instead of being cut off. Closures and the
+    What would pass the full range bends towards it instead of being cut off, and more is never
+    less: a control that is over the knee already bends from where it is. Closures and the
     tongue are made by later passes and stay as they are.
 
     Raises:
@@ -84,15 +88,19 @@ def intensity(amount: float) -> Pass:
             return clip
         values = clip.values.copy()
         columns = [clip.column(n) for n in GROUPS["jaw"] + GROUPS["lips"] if n in clip.names]
-        values[:, columns] = soft_ceiling(amount * values[:, columns])
+        moved = values[:, columns]
+        knee = np.clip(moved, CEILING_KNEE, 1) if amount > 1 else 1.0
+        values[:, columns] = soft_ceiling(amount * moved, knee)
         return clip.with_values(values)
 
     return scale
 
 
-def soft_ceiling(values: npt.NDArray[np.float32], knee: float = 0.8) -> npt.NDArray[np.float32]:
-    """Values up to `knee` as they are; above it they approach 1 and never pass it."""
-    room = 1 - knee
+def soft_ceiling(
+    values: npt.NDArray[np.float32], knee: npt.ArrayLike = CEILING_KNEE
+) -> npt.NDArray[np.float32]:
+    """Values up to `knee` (one, or one a value) as they are; above it they approach 1."""
+    room = np.maximum(1 - np.asarray(knee, np.float64), 1e-9)
     over = np.maximum(values - knee, 0)
     bent = knee + room * (1 - np.exp(-over / room))
     return np.where(values > knee, bent, values).astype(np.float32)
@@ -105,9 +113,9 @@ def smooth(sigma: float = SMOOTHING) -> Pass:
     """Smooth every control with a Gaussian of `sigma` s around each frame: nothing is delayed.
 
     Raises:
-        LipwrightError: sigma is negative.
+        LipwrightError: sigma is negative or endless.
     """
-    if sigma < 0:
+    if not 0 <= sigma < math.inf:
         raise LipwrightError(f"smoothing is {sigma} s; give 0 or more")
 
     def filtered(clip: Clip, track: PhoneTrack) -> Clip:
@@ -136,16 +144,19 @@ def speech_share(
 ) -> Floats:
     """(T,), 1 in speech, 0 deep in silence, eased over `lead` s before and `tail` s after."""
     share = np.ones(len(times))
-    last = len(track) - 1
-    for index, (phone, start, end) in enumerate(track):
+    index = 0
+    for phone, run in groupby(track.phones):  # silences that follow each other are one pause
+        begin, index = index, index + len(tuple(run))
         if phone != SILENCE:
             continue
+        start, end = track.edges[begin], track.edges[index]
         first, stop = np.searchsorted(times, (start, end), side="left")
-        if index == last:
+        if index == len(track):
             stop = len(times)
         inside = times[first:stop]
-        after = ease(1 - (inside - start) / tail) if index > 0 else np.zeros(len(inside))
-        before = ease(1 - (end - inside) / lead) if index < last else np.zeros(len(inside))
+        nothing = np.zeros(len(inside))
+        after = ease(1 - (inside - start) / tail) if begin > 0 else nothing
+        before = ease(1 - (end - inside) / lead) if index < len(track) else nothing
         share[first:stop] = np.maximum(after, before)
     share[times < track.start - 1e-9] = 0
     return share
@@ -155,7 +166,12 @@ def silence(lead: float = SPEECH_LEAD, tail: float = SPEECH_TAIL) -> Pass:
     """Bring jaw, lips and tongue to rest where nothing is said.
 
     A pause shorter than `lead` + `tail` s closes the mouth only in part.
+
+    Raises:
+        LipwrightError: lead or tail is not above 0.
     """
+    if not (lead > 0 and tail > 0):
+        raise LipwrightError(f"lead is {lead} s and tail {tail} s; give numbers above 0")
 
     def hush(clip: Clip, track: PhoneTrack) -> Clip:
         share = speech_share(track, clip.times, lead, tail).astype(np.float32)
@@ -226,15 +242,21 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
 
 
 def strength(
-    requirement: Requirement, start: float, end: float, times: Floats, after_pause: bool = False
-) -> Floats:
-    """(T,), how far a requirement holds for a phone from `start` to `end` s; 0 to 1."""
+    requirement: Requirement, start: float, end: float, times: Floats,
+    after_pause: bool = False, least: float = 0.0,
+) -> Floats:  # fmt: skip
+    """(T,), how far a requirement holds for a phone from `start` to `end` s; 0 to 1.
+
+    It holds in full for at least `least` s around the same middle.
+    """
     length = min(end - start, requirement.longest)
     if after_pause:
         start = end - length
     fade_in = min(requirement.fade_in * length, MAX_FADE)
     fade_out = min(requirement.fade_out * length, MAX_FADE)
     first, last = (start + share * length for share in requirement.full)
+    more = max(least - (last - first), 0) / 2
+    first, last = first - more, last + more
     return np.minimum(ease((times - first + fade_in) / fade_in),
                       ease((last + fade_out - times) / fade_out))  # fmt: skip
 
@@ -244,7 +266,7 @@ def _sides(name: str) -> tuple[str, ...]:
 
 
 _TARGETS: Final[Mapping[Mode, Callable[[Floats, float], Floats]]] = {
-    "to": lambda base, value: np.full_like(base, value),
+    "to": np.full_like,
     "at_least": np.maximum,
     "at_most": np.minimum,
 }
@@ -259,7 +281,9 @@ def consonants(requirements: Sequence[Requirement] = REQUIREMENTS) -> Pass:
     order = {id(requirement): place for place, requirement in enumerate(requirements)}
 
     def overlay(clip: Clip, track: PhoneTrack) -> Clip:
-        values = clip.values.astype(np.float64)
+        values, times = clip.values.astype(np.float64), clip.times
+        # One frame at least, or a short closure would be lost between two frames.
+        frame = 1.001 / clip.fps
         jobs = [
             (order[id(requirement)], index, requirement)
             for index, phone in enumerate(track.phones)
@@ -267,9 +291,10 @@ def consonants(requirements: Sequence[Requirement] = REQUIREMENTS) -> Pass:
         ]
         for _, index, requirement in sorted(jobs, key=lambda job: job[:2]):
             start, end = track.edges[index], track.edges[index + 1]
-            first, stop = np.searchsorted(clip.times, (start - MAX_FADE, end + MAX_FADE))
+            reach = MAX_FADE + frame
+            first, stop = np.searchsorted(times, (start - reach, end + reach))
             after_pause = index > 0 and track.phones[index - 1] == SILENCE
-            weight = strength(requirement, start, end, clip.times[first:stop], after_pause)
+            weight = strength(requirement, start, end, times[first:stop], after_pause, frame)
             for control, (mode, value) in requirement.controls.items():
                 for name in _sides(control):
                     if name in clip.names:
@@ -298,7 +323,7 @@ def speed_limit(per_second: float = SPEED_LIMIT) -> Pass:
     Raises:
         LipwrightError: the limit is not above 0.
     """
-    if per_second <= 0:
+    if not per_second > 0:
         raise LipwrightError(f"the speed limit is {per_second}; give a number above 0")
 
     def slow(clip: Clip, track: PhoneTrack) -> Clip:

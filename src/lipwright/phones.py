@@ -164,8 +164,8 @@ PHONES: Final = MappingProxyType({phone.symbol: phone for phone in _ROWS})
 # Labels that tools write for silence, pauses and noise (MFA, Praat, HTK, Kaldi, TIMIT,
 # pocketsphinx, espeak, MBROLA, FestVox, BAS).
 SILENCE_LABELS: Final = frozenset(
-    ("", "sil", "sp", "spn", "<sil>", "<p>", "<p:>", "<eps>", "_", "_:", "_;", "pau", "h#", "#h", "#",
-     "ssil", "brth", "noise", "nsn", "lau", "{sl}", "{ns}", "-", "...", "epi", "<s>", "</s>",
+    ("", "sil", "sp", "spn", "<sil>", "<p>", "<p:>", "<eps>", "_", "_:", "_;", "pau", "h#", "#h",
+     "#",      "ssil", "brth", "noise", "nsn", "lau", "{sl}", "{ns}", "-", "...", "epi", "<s>", "</s>",
      "++noise++", "[noise]", "<unk>", "[spn]", "[sil]")
 )  # fmt: skip
 
@@ -281,7 +281,7 @@ def phone_distance(one: str, other: str) -> float:
         # A glide is a vowel that nobody holds: W is near UW, Y near IY.
         vowel, consonant = (a, b) if a.is_vowel else (b, a)
         glide = {"W": "UW", "WH": "UW", "Y": "IY", "R": "ER"}.get(consonant.symbol)
-        return 5.0 if glide is None else 1.5 + phone_distance(glide, vowel.symbol)
+        return 5.0 if glide is None else 1.0 + phone_distance(glide, vowel.symbol)
     if a.is_vowel:
         moves = 0.8 * (a.is_diphthong != b.is_diphthong)
         if a.parts and b.parts:

@@ -1,6 +1,6 @@
 """From speech to motion: the column of verbs.
 
-    audio, words -> align -> track -> engine -> clip -> passes -> rig -> performance
+audio, words -> align -> track -> engine -> clip -> passes -> rig -> performance
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lipwright.audio import AudioFile, Sound, open_audio
+from lipwright.audio import AudioFile, open_audio
 from lipwright.clip import MAX_FPS, Clip
 from lipwright.engines import DEFAULT, get_engine
 from lipwright.errors import LipwrightError
@@ -94,7 +94,7 @@ def _quiet(stage: str, share: float) -> None:
 
 
 def align_sound(
-    sound: AudioFile | Sound, text: str, options: AlignOptions | None = None,
+    sound: AudioFile, text: str, options: AlignOptions | None = None,
     source: str = "text", report: Report = _quiet,
 ) -> Alignment:  # fmt: skip
     """Words on an open sound of 16 kHz.

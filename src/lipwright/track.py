@@ -53,7 +53,7 @@ class PhoneTrack:
             if phone not in PHONES:
                 raise ValueError(f"phone {index} is {phone!r}, which the phone table lacks")
         if edges.shape != (len(phones) + 1,):
-            raise ValueError(f"{len(phones)} phones have {len(phones) + 1} edges, not {edges.shape}")
+            raise ValueError(f"{len(phones)} phones with edges of the shape {edges.shape}")
         if not np.isfinite(edges).all() or edges[0] < 0 or not (np.diff(edges) > 0).all():
             raise ValueError("edges are not finite, rising times from 0 s on")
         if len(stress) != len(phones) or any(s not in (None, 0, 1, 2) for s in stress):

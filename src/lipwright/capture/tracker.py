@@ -80,7 +80,7 @@ def read_frames(path: str | os.PathLike[str]) -> tuple[Fraction, Iterator[npt.ND
     def frames() -> Iterator[npt.NDArray[np.uint8]]:
         with container:
             for frame in container.decode(stream):
-                yield frame.to_ndarray(format="rgb24")
+                yield np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
 
     return fps, frames()
 

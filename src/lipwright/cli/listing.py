@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from typing import Any
 
 import click
 
@@ -18,12 +19,14 @@ Example:
     AA     ɑ    A        fAther   aa      vowel, low, back
 """
 FORMATS_EXAMPLES = "\b\nExample:\n  lipwright formats"
-DOCTOR_EXAMPLES = "\b\nExample:\n  lipwright doctor\n    ok       aligner      forced alignment of English"
+DOCTOR_EXAMPLES = (
+    "\b\nExample:\n  lipwright doctor\n    ok       aligner      forced alignment of English"
+)
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")
 
 
-def _columns(rows: list[tuple[str, ...]]) -> None:
+def _columns(rows: Sequence[tuple[str, ...]]) -> None:
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     for row in rows:
         line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
@@ -104,8 +107,9 @@ def _has_gl() -> bool:
     try:
         import moderngl
 
-        moderngl.create_context(standalone=True, backend="egl").release()
-    except Exception:  # noqa: BLE001  # drivers fail in many ways, all of them mean no
+        create: Any = moderngl.create_context  # its types do not know back ends by name
+        create(standalone=True, backend="egl").release()
+    except Exception:  # drivers fail in many ways, all of them mean no
         return False
     return True
 

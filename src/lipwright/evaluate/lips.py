@@ -35,16 +35,22 @@ class Aperture:
     times: npt.NDArray[np.float64]
     """(T,), s, rising"""
     values: npt.NDArray[np.float64]
-    """(T,), not negative; NaN where the face was lost"""
+    """(T,), finite, not negative; NaN where the face was lost, but not everywhere"""
 
     def __post_init__(self) -> None:
         """Check and freeze."""
         times = np.array(self.times, np.float64)
         values = np.array(self.values, np.float64)
         if times.shape != values.shape or times.ndim != 1 or len(times) < 2:
-            raise ValueError(f"times {times.shape} and values {values.shape} are not two or more (T,)")
-        if not (np.diff(times) > 0).all() or (values < 0).any():
-            raise ValueError("times do not rise, or an aperture is negative")
+            raise ValueError(
+                f"times {times.shape} and values {values.shape} are not two or more (T,)"
+            )
+        if not np.isfinite(times).all() or not (np.diff(times) > 0).all():
+            raise ValueError("times are not finite or do not rise")
+        if (values < 0).any() or np.isinf(values).any():
+            raise ValueError("an aperture is negative or infinite")
+        if np.isnan(values).all():
+            raise ValueError("the face is lost in every frame")
         times.setflags(write=False)
         values.setflags(write=False)
         object.__setattr__(self, "times", times)
@@ -68,7 +74,7 @@ class Aperture:
 
 def video_times(frames: int, fps: float) -> npt.NDArray[np.float64]:
     """The times of the middles of `frames` video frames in s."""
-    return (np.arange(frames) + 0.5) / fps
+    return np.asarray((np.arange(frames) + 0.5) / fps, np.float64)
 
 
 def speech_span(track: PhoneTrack) -> tuple[float, float]:
@@ -103,7 +109,9 @@ def best_lag(
 ) -> tuple[float, float]:
     """The lag in s, within 0.2 s, at which r is highest, and that r."""
     lags = np.arange(-MAX_LAG, MAX_LAG + 1e-9, 0.005)
-    values = [correlation(reference_aperture, estimated_aperture, track, lag) for lag in lags]
+    values = [
+        correlation(reference_aperture, estimated_aperture, track, float(lag)) for lag in lags
+    ]
     if np.isnan(values).all():
         return 0.0, float("nan")
     best = int(np.nanargmax(values))
@@ -141,6 +149,12 @@ def closures(
     return hits, len(moments)
 
 
+def _mean(values: npt.ArrayLike) -> float:
+    known = np.asarray(values, np.float64)
+    known = known[~np.isnan(known)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
 def _runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
@@ -159,7 +173,7 @@ def false_closures(
 
 
 def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float = 0.0) -> float:
-    """Mean aperture in silence over the 95th percentile; NaN without silence.
+    """Mean aperture in silence over the 95th percentile; NaN without silence or any opening.
 
     Lips open before the sound and shut after it, on real faces too; `margin` s beside speech
     can be left out to see how much of the figure that is.
@@ -171,9 +185,9 @@ def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float
             first = start + (margin if index > 0 else 0.0)
             last = end - (margin if index < len(track) - 1 else 0.0)
             inside |= (times >= first) & (times <= last)
-    if not inside.any():
+    if estimated_aperture.loud == 0:
         return float("nan")
-    return float(np.nanmean(estimated_aperture.values[inside])) / estimated_aperture.loud
+    return _mean(estimated_aperture.values[inside]) / estimated_aperture.loud
 
 
 @dataclass(frozen=True)
@@ -212,17 +226,26 @@ def evaluate(
 
 
 def pool(scores: list[LipScore]) -> dict[str, float]:
-    """Figures of many recordings: means of r, lag and silence, shares and rates of the counts."""
+    """Figures of many recordings: means of r, lag and silence, shares and rates of the counts.
+
+    A figure that no recording has is NaN.
+
+    Raises:
+        ValueError: no recordings.
+    """
+    if not scores:
+        raise ValueError("no recordings to pool")
+    rs = [score.r for score in scores]
     real = sum(score.closures_real for score in scores)
     return {
         "recordings": len(scores),
-        "r": float(np.nanmean([score.r for score in scores])),
-        "r_median": float(np.nanmedian([score.r for score in scores])),
-        "r_best_lag": float(np.nanmean([score.r_best_lag for score in scores])),
-        "lag_ms": 1000 * float(np.nanmean([score.lag for score in scores])),
+        "r": _mean(rs),
+        "r_median": float(np.nanmedian(rs)) if not np.isnan(rs).all() else float("nan"),
+        "r_best_lag": _mean([score.r_best_lag for score in scores]),
+        "lag_ms": 1000 * _mean([score.lag for score in scores]),
         "closures_real": real,
         "closures": sum(score.closures_hit for score in scores) / real if real else float("nan"),
         "false_closures_per_s": sum(score.false_closures for score in scores)
         / sum(score.speech for score in scores),
-        "silence": float(np.nanmean([score.silence for score in scores])),
+        "silence": _mean([score.silence for score in scores]),
     }

@@ -1,0 +1,389 @@
+"""The command line as users and programs meet it: whole processes on real files."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from lipwright.audio import Audio, read_audio, write_wav
+from lipwright.cli import run as run_here
+from lipwright.formats import read_track, write_track
+from lipwright.track import PhoneTrack
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+HELLO = EXAMPLES / "hello.flac"
+HELLO_TEXT = EXAMPLES / "hello.txt"
+
+
+@dataclass(frozen=True)
+class Finished:
+    """How a command ended."""
+
+    returncode: int
+    stdout: bytes
+    stderr: bytes
+
+
+def in_process_of_its_own(*arguments: object, stdin: bytes = b"") -> Finished:
+    """Run the command line as a shell would."""
+    run = subprocess.run(
+        [sys.executable, "-m", "lipwright", *map(str, arguments)],
+        input=stdin, capture_output=True, check=False, timeout=300,
+    )  # fmt: skip
+    return Finished(run.returncode, run.stdout, run.stderr)
+
+
+def lipwright(*arguments: object, cwd: Path | None = None, **environment: str) -> Finished:
+    """Run the command line here, since starting a process for each refusal takes a second."""
+    out, errors = io.StringIO(), io.StringIO()
+    before = signal.getsignal(signal.SIGTERM)
+    with (
+        contextlib.chdir(cwd or Path.cwd()),
+        mock.patch.dict(os.environ, environment),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(errors),
+    ):
+        try:
+            status = run_here([str(argument) for argument in arguments])
+        finally:
+            signal.signal(signal.SIGTERM, before)
+    return Finished(status, out.getvalue().encode(), errors.getvalue().encode())
+
+
+def assert_refused(run: Finished, *needles: str) -> None:
+    """One clear line on standard error, status 2, no traceback."""
+    message = run.stderr.decode()
+    assert run.returncode == 2, message
+    assert message.startswith("lipwright: ")
+    assert message.count("\n") == 1, message
+    assert "Traceback" not in message
+    for needle in needles:
+        assert needle in message
+
+
+@pytest.fixture
+def track(tmp_path: Path) -> Path:
+    """A TextGrid that covers hello.flac, made by hand."""
+    path = tmp_path / "hello.TextGrid"
+    duration = read_audio(HELLO).duration
+    edges = np.array([0.0, 0.6, 0.7, 0.75, 0.84, 1.0, duration])
+    write_track(path, PhoneTrack(("sil", "HH", "EH", "L", "OW", "sil"), edges))
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example, aligned and animated once to three files."""
+    folder = tmp_path_factory.mktemp("whole")
+    run = lipwright("align", HELLO, "--text", HELLO_TEXT, "-o", "hello.TextGrid", cwd=folder)
+    assert run.returncode == 0, run.stderr.decode()
+    run = lipwright(
+        "animate", HELLO, "--phones", "hello.TextGrid",
+        "-o", "hello.csv", "-o", "hello.json", "-o", "hello.livelink.csv", cwd=folder,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr.decode()
+    return folder
+
+
+def test_align_then_animate_makes_every_named_file_and_says_what_it_did(whole: Path) -> None:
+    assert sorted(path.name for path in whole.iterdir()) == [
+        "hello.TextGrid", "hello.csv", "hello.json", "hello.livelink.csv",
+    ]  # fmt: skip
+    words = [word.text for word in read_track(whole / "hello.TextGrid").words]
+    assert words[:4] == ["hello", "i", "am", "a"]
+    assert words[-1] == "wish"
+
+
+def test_animating_a_corrected_textgrid_uses_its_times_and_nothing_else(
+    tmp_path: Path, track: Path
+) -> None:
+    run = lipwright("animate", HELLO, "--phones", track, "-o", tmp_path / "a.csv", "--fps", "50")
+    assert run.returncode == 0, run.stderr.decode()
+    table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
+    jaw = table["jawOpen"]
+    assert jaw[(table["time"] > 0.6) & (table["time"] < 1.0)].max() > 0.1
+    assert jaw[table["time"] > 1.3].max() == 0  # the hand-made track is silent there
+
+
+def test_text_and_its_alignment_give_the_same_motion(whole: Path, tmp_path: Path) -> None:
+    run = lipwright("animate", HELLO, "--text", HELLO_TEXT, "-o", tmp_path / "a.csv")
+    assert run.returncode == 0, run.stderr.decode()
+    one = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)
+    other = np.loadtxt(whole / "hello.csv", delimiter=",", skiprows=1)
+    # TextGrids keep times to a tenth of a millisecond or better.
+    assert np.abs(one - other).max() < 0.02
+
+
+def test_sound_through_a_pipe_and_curves_to_a_pipe(whole: Path) -> None:
+    run = in_process_of_its_own(
+        "animate", "-", "--phones", whole / "hello.TextGrid", "-o", "-", "--format", "csv",
+        stdin=HELLO.read_bytes(),
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr.decode()
+    assert run.stdout == (whole / "hello.csv").read_bytes()
+
+
+def test_progress_json_prints_one_object_a_line_and_nothing_else(
+    track: Path, tmp_path: Path
+) -> None:
+    run = lipwright(
+        "animate", HELLO, "--phones", track, "-o", tmp_path / "a.csv", "--progress", "json"
+    )
+    rows = [json.loads(line) for line in run.stderr.decode().splitlines()]
+    assert run.returncode == 0
+    assert {row["stage"] for row in rows} == {"read", "animate"}
+    assert all(0 <= row["done"] <= 1 for row in rows)
+
+
+def test_words_that_do_not_fit_are_warned_about_with_time_and_score(tmp_path: Path) -> None:
+    text = HELLO_TEXT.read_text().replace("numbers", "marmalade sandwiches")
+    run = lipwright("animate", HELLO, "--text", text, "-o", tmp_path / "a.csv")
+    assert run.returncode == 0, run.stderr.decode()
+    warnings = [line for line in run.stderr.decode().splitlines() if line.startswith("warning")]
+    assert any("marmalade" in line and " s (score " in line for line in warnings)
+
+
+@pytest.mark.parametrize("command", ["animate", "align"])
+@pytest.mark.parametrize(
+    ("name", "content", "needle"),
+    [
+        ("missing.wav", None, "no such file"),
+        ("empty.wav", b"", "empty"),
+        ("note.wav", b"this is not sound, whatever its name says" * 20, "not"),
+    ],
+)
+def test_recordings_that_cannot_be_read_are_refused(
+    command: str, name: str, content: bytes | None, needle: str, tmp_path: Path
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    run = lipwright(command, name, "--text", "hello", "-o", "out.json", cwd=tmp_path)
+    assert_refused(run, name, needle)
+    assert not (tmp_path / "out.json").exists()
+
+
+def test_a_folder_is_no_recording(tmp_path: Path) -> None:
+    (tmp_path / "talk.wav").mkdir()
+    assert_refused(
+        lipwright("animate", "talk.wav", "--text", "hi", "-o", "a.csv", cwd=tmp_path),
+        "talk.wav", "folder",
+    )  # fmt: skip
+
+
+def test_a_truncated_recording_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "cut.flac").write_bytes(HELLO.read_bytes()[:60_000])
+    run = lipwright("animate", "cut.flac", "--text", HELLO_TEXT, "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "cut.flac")
+
+
+@pytest.mark.parametrize("seconds", [0.0, 2.0])
+def test_a_silent_or_empty_recording_is_refused(seconds: float, tmp_path: Path) -> None:
+    write_wav(tmp_path / "quiet.wav", Audio(np.zeros(int(16000 * seconds), np.float32), 16000))
+    run = lipwright("animate", "quiet.wav", "--text", "hello", "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "quiet.wav")
+    assert not (tmp_path / "a.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "needle"),
+    [
+        ("", "--text"),
+        ("  ... !?", "--text"),
+        ("Привет, как дела", "line 1"),
+        ("你好", "line 1"),
+        ("missing.txt", "no such file"),
+        ("the quick brown fox jumps over the lazy dog while nobody is looking at it", "fit"),
+    ],
+)
+def test_texts_that_cannot_be_used_are_refused(text: str, needle: str, tmp_path: Path) -> None:
+    run = lipwright("animate", HELLO, "--text", text, "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, needle)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_text_file_that_is_not_text_is_refused_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "words.txt").write_bytes(b"hello\nthere \xff\xfe\xfa")
+    run = lipwright("animate", HELLO, "--text", "words.txt", "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "words.txt", "line 2", "UTF-8")
+
+
+@pytest.mark.parametrize("body", ["sil 0 1\n", "xmin = 0\nxmax = 1\n", "", "\0\0\0"])
+def test_broken_phone_files_are_refused(body: str, tmp_path: Path) -> None:
+    (tmp_path / "p.TextGrid").write_text(body)
+    run = lipwright("animate", HELLO, "--phones", "p.TextGrid", "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "p.TextGrid")
+
+
+def test_phones_past_the_end_of_the_sound_are_refused(tmp_path: Path) -> None:
+    write_track(
+        tmp_path / "late.TextGrid",
+        PhoneTrack(("sil", "AA", "sil"), np.array([0.0, 50.0, 51.0, 60.0])),
+    )
+    run = lipwright("animate", HELLO, "--phones", "late.TextGrid", "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "late.TextGrid", "end")
+
+
+@pytest.mark.parametrize(
+    ("target", "needle"),
+    [("a.fbx", ".glb"), ("a", ".csv"), ("none/a.csv", "none"), ("folder.csv", "folder")],
+)
+def test_targets_that_cannot_be_written_are_refused_before_the_work(
+    target: str, needle: str, track: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "folder.csv").mkdir()
+    run = lipwright("animate", HELLO, "--phones", track, "-o", target, cwd=tmp_path)
+    assert_refused(run, target, needle)
+
+
+def test_a_full_disk_leaves_no_file_and_says_so(track: Path, tmp_path: Path) -> None:
+    # A limit on file sizes fails as a full disk does: in the middle of writing.
+    code = (
+        "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000));"
+        "from lipwright.cli import run; sys.exit(run(sys.argv[1:]))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code, "animate", str(HELLO), "--phones", str(track), "-o", "a.csv"],
+        cwd=tmp_path, capture_output=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert_refused(Finished(run.returncode, run.stdout, run.stderr), "a.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["hello.TextGrid"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("animate", HELLO),
+        ("animate", HELLO, "-o", "a.csv"),
+        ("animate", HELLO, "--text", "hi", "--phones", "p.TextGrid", "-o", "a.csv"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--engine", "magic"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--fps", "0"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--fps", "nan"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--intensity", "-1"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--intensity", "nan"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.mp4", "--size", "big"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.mp4", "--size", "511x512"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--language", "xx"),
+        ("animate", HELLO, "--text", "hi", "-o", "a.csv", "--dictionary", "none.dict"),
+        ("animate", "-", "--text", "-", "-o", "a.csv"),
+        ("animate", HELLO, "--text", "hi", "-o", "-"),
+        ("align", HELLO, "-o", "a.TextGrid"),
+        ("head", "show", "a.png", "--set", "jawOpen"),
+        ("head", "show", "a.png", "--set", "nose=1"),
+        ("nothing",),
+        ("animate", HELLO, "--unknown"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(
+    arguments: tuple[object, ...], tmp_path: Path
+) -> None:
+    assert_refused(lipwright(*arguments, cwd=tmp_path))
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_recording_is_never_overwritten(tmp_path: Path) -> None:
+    copy = tmp_path / "talk.mp4"
+    copy.write_bytes(HELLO.read_bytes())
+    run = lipwright("animate", "talk.mp4", "--text", "hi", "-o", "talk.mp4", cwd=tmp_path)
+    assert_refused(run, "recording")
+    assert copy.read_bytes() == HELLO.read_bytes()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_leaves_nothing_behind(number: int, tmp_path: Path) -> None:
+    long = np.tile(read_audio(HELLO, 16000).samples, 12)
+    write_wav(tmp_path / "long.wav", Audio(long, 16000))
+    (tmp_path / "long.txt").write_text(" ".join([HELLO_TEXT.read_text()] * 12))
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "lipwright", "animate", "long.wav", "--text", "long.txt",
+         "-o", "a.csv", "--progress", "json"],
+        cwd=tmp_path, stderr=subprocess.PIPE, env={**os.environ, "TMPDIR": str(scratch)},
+    )  # fmt: skip
+    assert process.stderr is not None
+    for line in process.stderr:
+        if b'"align"' in line:
+            break
+    process.send_signal(number)
+    _, rest = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert b"interrupted" in rest
+    assert b"Traceback" not in rest
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.txt", "long.wav", "scratch"]
+    assert not list(scratch.iterdir())
+
+
+def test_help_of_every_command_ends_in_examples() -> None:
+    for command in ("animate", "align", "phones", "formats", "doctor"):
+        run = lipwright(command, "--help")
+        assert run.returncode == 0
+        assert b"Example" in run.stdout
+
+
+def test_phones_lists_the_whole_table_as_text_and_json() -> None:
+    from lipwright.phones import PHONES
+
+    lines = lipwright("phones").stdout.decode().splitlines()
+    assert [line.split()[0] for line in lines[1:]] == list(PHONES)
+    table = json.loads(lipwright("phones", "--json").stdout)
+    assert table["AA"]["ipa"] == "ɑ"
+
+
+def test_formats_lists_every_registered_suffix() -> None:
+    from lipwright.export import known_exports
+    from lipwright.formats import known_formats
+
+    out = lipwright("formats").stdout.decode()
+    for suffix in (*known_formats(), *known_exports()):
+        assert suffix in out
+
+
+def test_doctor_names_each_part_and_the_command_for_a_missing_one(tmp_path: Path) -> None:
+    run = lipwright("doctor", LIPWRIGHT_HOME=str(tmp_path / "empty"))
+    assert run.returncode == 1  # the head is needed and not there
+    assert b"lipwright head install" in run.stdout
+    rows = json.loads(lipwright("doctor", "--json").stdout)
+    assert rows["aligner"]["installed"]
+
+
+def test_glb_without_the_head_says_how_to_install_it(track: Path, tmp_path: Path) -> None:
+    run = lipwright(
+        "animate", HELLO, "--phones", track, "-o", "a.glb", cwd=tmp_path,
+        LIPWRIGHT_HOME=str(tmp_path / "empty"),
+    )  # fmt: skip
+    assert_refused(run, "lipwright head install")
+    assert not (tmp_path / "a.glb").exists()
+
+
+def test_a_missing_extra_gives_the_command_that_installs_it() -> None:
+    code = (
+        "import sys; sys.modules['mediapipe'] = None\n"
+        "from lipwright.capture.tracker import Tracker\n"
+        "from lipwright.errors import LipwrightError\n"
+        "try:\n    Tracker()\nexcept LipwrightError as error:\n    print(error)\n"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout
+    assert out.decode().strip() == (
+        "the face tracker is not installed; run: pip install 'lipwright[capture]'"
+    )
+
+
+def test_output_that_nobody_reads_ends_without_a_traceback() -> None:
+    process = subprocess.Popen(
+        f"{sys.executable} -m lipwright phones --json | head -c 10",
+        shell=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    _, errors = process.communicate(timeout=60)
+    assert b"Traceback" not in errors
