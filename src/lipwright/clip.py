@@ -13,9 +13,21 @@ MAX_FPS = 1000.0
 
 
 def frame_times(duration: float, fps: float) -> npt.NDArray[np.float64]:
-    """The times in s of the frames that cover `duration` s; the last is at or after its end."""
+    """The times in s of the frames that cover `duration` s; the last is at or after its end.
+
+    Raises:
+        ValueError: the duration is negative or endless, or fps is not above 0 and at most 1000.
+    """
+    if not 0 <= duration < math.inf:
+        raise ValueError(f"duration is {duration}, not a number of seconds from 0 on")
+    _check_fps(fps)
     # A duration that is a whole number of frames must not gain one by rounding.
     return np.arange(math.ceil(duration * fps - 1e-6) + 1, dtype=np.float64) / fps
+
+
+def _check_fps(fps: float) -> None:
+    if not 0 < fps <= MAX_FPS:
+        raise ValueError(f"fps is {fps}, not above 0 and at most {MAX_FPS:.0f}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +57,7 @@ class Clip:
         if not np.isfinite(values).all():
             frame, column = np.argwhere(~np.isfinite(values))[0]
             raise ValueError(f"{names[column]} at frame {frame} is not a finite number")
-        if not 0 < self.fps <= MAX_FPS:
-            raise ValueError(f"fps is {self.fps}, not above 0 and at most {MAX_FPS:.0f}")
+        _check_fps(self.fps)
         values.setflags(write=False)
         object.__setattr__(self, "names", names)
         object.__setattr__(self, "fps", float(self.fps))
@@ -110,16 +121,20 @@ class Clip:
         return (1 - weight) * self.values[low] + weight * self.values[high]
 
     def resample(self, fps: float) -> Clip:
-        """The same motion at another rate; linear between frames."""
+        """The same motion at another rate; linear between frames.
+
+        Raises:
+            ValueError: fps is not above 0 and at most 1000.
+        """
         return Clip(self.names, fps, self.at(frame_times(self.duration, fps)))
 
     def retime(self, duration: float) -> Clip:
         """The same motion in another duration (s), at the same rate.
 
         Raises:
-            ValueError: the duration is not positive.
+            ValueError: the duration is not positive, or endless.
         """
-        if duration <= 0:
+        if not 0 < duration < math.inf:
             raise ValueError(f"duration is {duration}, not above 0 s")
         times = frame_times(duration, self.fps)
         return self.with_values(self.at(times * (self.duration / duration)))
