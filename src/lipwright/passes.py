@@ -100,10 +100,10 @@ def soft_ceiling(
     values: npt.NDArray[np.float32], knee: npt.ArrayLike = CEILING_KNEE
 ) -> npt.NDArray[np.float32]:
     """Values up to `knee` (one, or one a value) as they are; above it they approach 1."""
-    room = np.maximum(1 - np.asarray(knee, np.float64), 1e-9)
-    over = np.maximum(values - knee, 0)
-    bent = knee + room * (1 - np.exp(-over / room))
-    return np.where(values > knee, bent, values).astype(np.float32)
+    bend = np.asarray(knee, np.float64)
+    room = np.maximum(1 - bend, 1e-9)
+    bent = bend + room * (1 - np.exp(-np.maximum(values - bend, 0) / room))
+    return np.where(values > bend, bent, values).astype(np.float32)
 
 
 # --- smoothing ---
