@@ -68,6 +68,10 @@ PULLS: Final = MappingProxyType(
 )
 
 
+# A held vowel stays open to its end, and what follows a long pause does not begin in its middle.
+MAX_SKIRT = 0.25  # s inside each edge of a phone in which its pull may be less than full
+
+
 @dataclass(frozen=True)
 class Target:
     """One row of the table: where a phone, or one part of a diphthong, wants the face."""
@@ -147,7 +151,8 @@ def pulls(
     rise, fall = np.array(pull.rise)[kinds], np.array(pull.fall)[kinds]
     strength = np.array([target.dominance[index] for target in segments.targets])
     middle = (segments.start + segments.end) / 2
-    half = pull.plateau * (segments.end - segments.start) / 2
+    length = segments.end - segments.start
+    half = np.maximum(pull.plateau * length, length - 2 * MAX_SKIRT) / 2
     now = times[:, None] + pull.lead  # (T, 1)
     before = np.maximum(middle - half - now, 0) * rise
     after = np.maximum(now - middle - half, 0) * fall
