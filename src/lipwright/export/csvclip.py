@@ -23,6 +23,7 @@ from lipwright.formats.source import parse_number, read_text
 
 TIME: Final = "time"
 TIME_DECIMALS: Final = 6  # of s; a millionth tells 59.94 from 60 fps after two frames
+USUAL_FPS: Final = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 100.0, 120.0)
 LONE_FPS: Final = 60.0  # of a table with one frame, whose rate nothing tells
 
 
@@ -86,8 +87,8 @@ def _read_cells(path: PathLike) -> list[tuple[int, list[str]]]:
 def _rate(path: PathLike, times: list[float], lines: list[int], decimals: int) -> float:
     """The frames a second of rising, evenly spaced times.
 
-    Times are rounded to `decimals`, so that a whole rate, or one of broadcast (59.94), is
-    preferred where it fits as well.
+    Times are rounded to `decimals`, so that a usual rate, a whole one, or one of broadcast
+    (59.94), is preferred where it fits as well.
     """
     if times[0] != 0:
         raise LipwrightError(
@@ -104,13 +105,16 @@ def _rate(path: PathLike, times: list[float], lines: list[int], decimals: int) -
             f"{MAX_FPS:g} a second; times are in seconds"
         )
     estimate = min((len(times) - 1) / float(actual[-1]), MAX_FPS)
+    usual = min(USUAL_FPS, key=lambda fps: abs(fps - estimate))
     broadcast = round(estimate * 1.001) / 1.001
+    # Few digits are no leave to stagger: a tenth of a frame at most.
+    rounding = min(rounding, 0.1 / estimate)
     worst = 0
-    for fps in (float(round(estimate)), broadcast, estimate):
+    for fps in (usual, float(round(estimate)), broadcast, estimate):
         if 0 < fps <= MAX_FPS:
             errors = np.abs(actual - np.arange(len(times)) / fps)
             worst = int(errors.argmax())
-            if errors[worst] <= rounding:
+            if errors[worst] <= rounding * 1.001:
                 return fps
     raise LipwrightError(
         f"{path}: line {lines[worst]}: the time {times[worst]:g} s does not keep the even spacing "

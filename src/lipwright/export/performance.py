@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lipwright.audio import Sound, open_audio
 from lipwright.clip import Clip
+from lipwright.errors import LipwrightError
 from lipwright.track import PhoneTrack
 
 PathLike = str | os.PathLike[str]
@@ -54,7 +55,7 @@ class ExportOptions:
     """Choices of single formats; the others pass over them.
 
     Raises:
-        ValueError: a side of the video is odd or out of range.
+        LipwrightError: a side of the video is odd or out of range.
     """
 
     size: tuple[int, int] = (512, 512)
@@ -67,9 +68,9 @@ class ExportOptions:
     def __post_init__(self) -> None:
         """Check."""
         if any(side % 2 or not 16 <= side <= MAX_SIDE for side in self.size):
-            raise ValueError(
-                f"a video of {self.size[0]} x {self.size[1]} pixels; both must be even numbers "
-                f"from 16 to {MAX_SIDE}"
+            raise LipwrightError(
+                f"a video of {self.size[0]} x {self.size[1]} pixels cannot be made; choose even "
+                f"numbers from 16 to {MAX_SIDE}"
             )
 
 
