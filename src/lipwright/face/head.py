@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
@@ -196,9 +198,7 @@ class Head:
 
     @cached_property
     def _corners(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-        """Triangles in the order of their welded corners, where each corner's run starts, and
-        the run of each vertex.
-        """
+        """Triangles sorted by their welded corners, the start of each run, each vertex's run."""
         corners = self.welds[self.triangles].ravel()
         order = np.argsort(corners, kind="stable")
         used, starts = np.unique(corners[order], return_index=True)
@@ -278,6 +278,13 @@ def save_head(head: Head, path: Path) -> None:
         np.savez_compressed(part, format=HEAD_FORMAT, part_names=names, part_spans=spans, **arrays)
 
 
+# What np.load and zipfile raise on damaged archives.
+_BROKEN: Final = (
+    OSError, ValueError, KeyError, IndexError, TypeError, EOFError, NotImplementedError,
+    AttributeError, struct.error, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
 def load_head(path: Path | None = None) -> Head:
     """The installed head, or the one in `path`; the same file is read once.
 
@@ -289,13 +296,15 @@ def load_head(path: Path | None = None) -> Head:
         return _read_head(source, source.stat().st_mtime_ns)
     except FileNotFoundError as error:
         raise LipwrightError(f"the head is not installed; {REMEDY}") from error
-    except (OSError, ValueError, KeyError, EOFError, IndexError, zipfile.BadZipFile) as error:
-        raise LipwrightError(f"{source}: not a readable head ({error}); {REMEDY}") from error
+    except _BROKEN as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise LipwrightError(f"{source}: not a readable head ({reason}); {REMEDY}") from error
 
 
 @lru_cache(maxsize=1)
 def _read_head(path: Path, _modified_ns: int) -> Head:
-    with np.load(path, allow_pickle=False) as stored:
+    # Given a path, np.load leaves the file open when it is no archive.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
         if int(stored["format"]) != HEAD_FORMAT:
             raise LipwrightError(f"{path}: the head is of another version; {REMEDY}")
         arrays = {f.name: stored[f.name] for f in fields(Head) if f.name != "parts"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -22,6 +23,12 @@ CAVITY_INNER: Final = 690  # deep in the mouth
 LIP_PAIR_SOURCES: Final = np.array([[520, 523], [7268, 7264], [522, 517]])
 """(3, 2) upper and lower vertices of the contact ring: centre, left, right"""
 
+SHUT: Final = (
+    "mouthPress", "mouthRoll", "mouthPucker", "mouthSmile", "mouthFrown", "mouthDimple",
+    "mouthStretch", "mouthLeft", "mouthRight",
+)  # fmt: skip
+"""beginnings of the names of shapes that leave shut lips shut"""
+
 OVERLAP_M: Final = 0.0003  # m; closed lips press together
 REACH_M: Final = 0.012  # m from the contact; the correction fades out over it
 
@@ -38,33 +45,46 @@ def mouth_cavity(asset: Asset, body: QuadGraph) -> NDArray[np.int64]:
     return body.enclosed(CAVITY_INNER, body.edge_loop(start, left))
 
 
-def close_lips(asset: Asset, body: QuadGraph) -> NDArray[np.float64]:
-    """Displacements (V, 3) in m that bring the lips of the rest pose into contact.
+def close_lips(pose: NDArray[np.float64], body: QuadGraph) -> NDArray[np.float64]:
+    """Displacements (V, 3) in m that bring the lips of `pose` (V, 3) into contact.
 
-    In the asset a slit of up to half a millimetre stays open. Both lips move by half of what
-    is missing at their place, less and less with the distance from the contact.
+    Both lips move by half of what is missing at their place, less and less with the distance
+    from the contact. Lips that already overlap stay as they are.
     """
-    rest = asset.mesh.vertices
     ring = contact_ring(body)
-    corner = int(np.argmax(rest[ring, 0]))
+    corner = int(np.argmax(pose[ring, 0]))
     other = len(ring) - corner
     upper = ring[other:] + ring[: corner + 1]  # from the right corner to the left one
     lower = ring[corner : other + 1][::-1]
-    half_width = rest[ring[corner], 0]
-    place = np.linspace(-half_width, half_width, 81)
-    heights = [np.interp(place, rest[side, 0], rest[side, 1]) for side in (upper, lower)]
-    pressed = OVERLAP_M * (1 - (place / half_width) ** 2)
-    missing = heights[0] - heights[1] + pressed
-    far = [body.distances(side, rest, REACH_M) for side in (upper, lower)]
-    moves = np.zeros_like(rest)
+    right, left = pose[upper[0], 0], pose[upper[-1], 0]
+    place = np.linspace(right, left, 81)
+    above, below = (np.interp(place, pose[side, 0], pose[side, 1]) for side in (upper, lower))
+    middle = (place - right) / (left - right) * 2 - 1
+    missing = np.maximum(above - below + OVERLAP_M * (1 - middle**2), 0)
+    far = [body.distances(side, pose, REACH_M) for side in (upper, lower)]
+    moves = np.zeros_like(pose)
     for vertex in far[0].keys() | far[1].keys():
-        above, below = (distances.get(vertex, REACH_M) for distances in far)
-        fade = 1 - min(above, below) / REACH_M
-        side = -0.5 if above <= below else 0.5
-        by = np.interp(rest[vertex, 0], place, missing)
+        to_upper, to_lower = (distances.get(vertex, REACH_M) for distances in far)
+        fade = 1 - min(to_upper, to_lower) / REACH_M
+        side = -0.5 if to_upper <= to_lower else 0.5
+        by = np.interp(pose[vertex, 0], place, missing)
         moves[vertex, 1] = side * by * fade * fade * (3 - 2 * fade)
-    moves[ring[corner]] = moves[ring[other]] = 0.0
+    moves[[upper[0], upper[-1]]] = 0.0
     return moves
+
+
+def with_closed_lips(asset: Asset, body: QuadGraph) -> Asset:
+    """The asset with lips that touch at rest and under the shapes that do not open them.
+
+    The asset leaves a slit of up to half a millimetre at rest, and mouthPress, mouthRoll and
+    others open it at the corners.
+    """
+    rest = asset.mesh.vertices + close_lips(asset.mesh.vertices, body)
+    shapes = {
+        name: deltas + close_lips(rest + deltas, body) if name.startswith(SHUT) else deltas
+        for name, deltas in asset.shapes.items()
+    }
+    return replace(asset, mesh=replace(asset.mesh, vertices=rest), shapes=shapes)
 
 
 def red_of_lips(body: QuadGraph, count: int) -> NDArray[np.float64]:

@@ -108,8 +108,9 @@ def _spread(places: Image, known: NDArray[np.bool_]) -> tuple[Image, NDArray[np.
     return places, known
 
 
-def _noise(rows: int, columns: int, cell: tuple[float, float], seed: int) -> Image:
+def _noise(shape: tuple[int, int], cell: tuple[float, float], seed: int) -> Image:
     """Smooth noise, -1 to 1, with features of `cell` texels (vertical, horizontal)."""
+    rows, columns = shape
     chance = np.random.default_rng(seed)
     down, across = int(rows / cell[0]) + 2, int(columns / cell[1]) + 2
     grid = chance.uniform(-1, 1, (down, across))
@@ -132,8 +133,9 @@ def _mix(image: Image, color: Vectors, share: Image) -> Image:
 
 
 def _skin(places: Image, known: NDArray[np.bool_], marks: Landmarks) -> Image:
-    mottle = 0.6 * _noise(*known.shape, (34, 34), 1) + 0.4 * _noise(*known.shape, (9, 9), 2)
-    pores = _noise(*known.shape, (1.6, 1.6), 3)
+    shape = (SKIN_ROWS, SIDE)
+    mottle = 0.6 * _noise(shape, (34, 34), 1) + 0.4 * _noise(shape, (9, 9), 2)
+    pores = _noise(shape, (1.6, 1.6), 3)
     image = SKIN * (1 + 0.035 * mottle + 0.018 * pores)[..., None]
     image *= 1 + 0.05 * mottle[..., None] * np.array([-0.3, 0.4, 0.5])
     eye, corner = marks.eye, marks.mouth_corner
@@ -141,31 +143,30 @@ def _skin(places: Image, known: NDArray[np.bool_], marks: Landmarks) -> Image:
     blush = (
         0.50 * _blob(places, cheek, 0.017)
         + 0.55 * _blob(places, marks.nose_tip, 0.010)
-        + 0.22 * _blob(places, marks.mouth + [0, -0.028, 0], 0.011)
+        + 0.22 * _blob(places, marks.mouth + np.array([0, -0.028, 0]), 0.011)
         + 0.60
         * smooth_step(0.066, 0.074, places[..., 0])
         * smooth_step(-0.03, 0.0, places[..., 1])
         * smooth_step(0.055, 0.045, places[..., 1])
     )
     image = image * (1 + np.clip(blush, 0, 1)[..., None] * (BLUSH - 1))
-    lids = np.clip(_blob(places, eye + [0.0, -0.002, 0.012], 0.0105) * 1.1, 0, 1)
+    lids = np.clip(_blob(places, eye + np.array([0.0, -0.002, 0.012]), 0.0105) * 1.1, 0, 1)
     image = image * (1 + 0.55 * lids[..., None] * (LID - 1))
     image = _mix(image, LIP * (1 + 0.10 * mottle)[..., None], _lips(places))
     image = _mix(image, BROW, _brows(places, marks))
-    image = _mix(image, HAIR * (1 + 0.35 * _strands(known.shape))[..., None], _hair(places))
+    image = _mix(image, HAIR * (1 + 0.35 * _strands(shape))[..., None], _hair(places))
     image[~known] = SKIN
     return np.asarray(image)
 
 
 def _lips(places: Image) -> Image:
-    lines = _noise(*places.shape[:2], (26, 3.0), 5)
+    shape = (SKIN_ROWS, SIDE)
+    lines = _noise(shape, (26, 3.0), 5)
     return smooth_step(0.30, 0.78, places[..., 3] + 0.05 * lines) * (0.80 + 0.07 * lines)
 
 
-def _strands(shape: tuple[int, ...]) -> Image:
-    return 0.6 * _noise(shape[0], shape[1], (22, 2.2), 6) + 0.4 * _noise(
-        shape[0], shape[1], (9, 1.3), 7
-    )
+def _strands(shape: tuple[int, int]) -> Image:
+    return 0.6 * _noise(shape, (22, 2.2), 6) + 0.4 * _noise(shape, (9, 1.3), 7)
 
 
 HAIRLINE: Final = (
@@ -184,7 +185,8 @@ def hair_depth(places: Image) -> Image:
 
 
 def _hair(places: Image) -> Image:
-    fringe = _noise(*places.shape[:2], (14, 2.4), 8) + 0.7 * _noise(*places.shape[:2], (6, 1.5), 9)
+    shape = (SKIN_ROWS, SIDE)
+    fringe = _noise(shape, (14, 2.4), 8) + 0.7 * _noise(shape, (6, 1.5), 9)
     depth = hair_depth(places) + 0.0034 * fringe
     ear = places[..., 0] > 0.0735
     return smooth_step(-0.0075, 0.0105, depth) * 0.95 * ~ear
@@ -195,7 +197,6 @@ BROW_LINE: Final = (
     (0.0085, 0.0165, 0.0022), (0.0140, 0.0190, 0.0034), (0.0220, 0.0212, 0.0034),
     (0.0320, 0.0232, 0.0028), (0.0400, 0.0222, 0.0020), (0.0470, 0.0180, 0.0008),
 )  # fmt: skip
-BROW_HAIRS: Final = 520
 
 
 def _brows(places: Image, marks: Landmarks) -> Image:
@@ -214,7 +215,7 @@ def _brows(places: Image, marks: Landmarks) -> Image:
     comb = np.interp((along * scale) % 400, np.arange(400), table)
     density = smooth_step(1.35, 0.25, across + 0.30 * comb) * (0.70 + 0.30 * comb)
     ends = smooth_step(0.0075, 0.0125, places[..., 0]) * smooth_step(0.049, 0.043, places[..., 0])
-    return np.clip(density * ends * front, 0, 1) * 0.92
+    return np.asarray(np.clip(density * ends * front, 0, 1) * 0.92)
 
 
 def _eye(side: int) -> Image:

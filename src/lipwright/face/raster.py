@@ -6,6 +6,8 @@ interpolated without perspective, which small triangles far from the camera do n
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -90,8 +92,8 @@ def _spans(
 ) -> tuple[Integers, Integers]:
     """The first column of each triangle in each of its rows, and how many columns follow."""
     y = _centres(row)
-    left = np.full(len(row), np.inf, np.float32)
-    right = np.full(len(row), -np.inf, np.float32)
+    left: NDArray[Any] = np.full(len(row), np.inf, np.float32)
+    right: NDArray[Any] = np.full(len(row), -np.inf, np.float32)
     for a, b in ((0, 1), (1, 2), (2, 0)):
         (ax, ay, _), (bx, by, _) = corners[:, a].T, corners[:, b].T
         rise = by - ay

@@ -105,6 +105,8 @@ def pose_weights(**controls: float) -> NDArray[np.float32]:
     """
     weights = np.zeros(len(CANONICAL), np.float32)
     for name, value in controls.items():
+        if name not in CANONICAL:
+            raise ValueError(f"{name} is not a canonical control; see lipwright.controls.CANONICAL")
         weights[CANONICAL.index(name)] = value
     return weights
 
@@ -113,6 +115,7 @@ def render_contact_sheet(
     head: Head,
     poses: Sequence[Mapping[str, float]],
     path: str | Path,
+    *,
     columns: int = 4,
     size: int = 384,
     view: View = "face",

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from lipwright.face.head import Head
 from lipwright.face.shading import (
-    BACKGROUND,
     CAMERAS,
     LIGHTS,
     SURFACES,
@@ -109,7 +108,9 @@ class GlPainter:
 
         self._head = head
         self._size = (width, height)
-        self._context = moderngl.create_context(standalone=True, backend="egl", require=330)
+        # moderngl's stubs do not know its own option.
+        options: dict[str, Any] = {"standalone": True, "backend": "egl", "require": 330}
+        self._context = moderngl.create_context(**options)
         context = self._context
         samples = min(SAMPLES, context.max_samples)
         self._target = context.framebuffer(
@@ -135,7 +136,7 @@ class GlPainter:
             vertex_shader=_VERTEX, fragment_shader=_EYE_FRAGMENT if sharp else _FRAGMENT
         )
         matrix = CAMERAS[view].matrix(self._size[0] / self._size[1])
-        program["camera"].write(matrix.T.astype(np.float32).tobytes())
+        _set(program, camera=tuple(matrix.T.ravel().tolist()))
         moving = [self._moving, "3f 3f 3f 3f", "position", "normal", "light", "shine"]
         if surface.highlight is not None:
             _set(
@@ -175,6 +176,10 @@ class GlPainter:
 
     def paint(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
         """The picture (H, W, 3) of the posed `vertices` (V, 3)."""
+        with self._context:  # another painter's may be current
+            return self._paint(vertices)
+
+    def _paint(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
         normals = self._head.normals(vertices)
         light = self._light.fall(vertices, normals)
         self._moving.write(np.concatenate([vertices, normals, light], axis=1).tobytes())
@@ -201,7 +206,7 @@ class GlPainter:
         self._context.release()
 
 
-def _set(program: moderngl.Program, **uniforms: Any) -> None:  # noqa: ANN401
+def _set(program: moderngl.Program, **uniforms: object) -> None:
     """Set the uniforms by their names."""
     for name, value in uniforms.items():
-        program[name].value = value  # type: ignore[union-attr]
+        program[name] = value

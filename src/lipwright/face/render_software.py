@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from lipwright.face.head import Head, srgb_to_linear
 from lipwright.face.raster import barycentric, rasterise
 from lipwright.face.shading import (
-    Camera,
     CAMERAS,
     LIGHTS,
     SURFACES,
+    Camera,
     Surface,
     VertexLight,
     View,
@@ -125,7 +125,7 @@ class SoftwarePainter:
     def _shade(
         self, vertices: Floats, corners: Integers, shares: Floats, part: NDArray[np.int8]
     ) -> Floats:
-        """sRGB 0 to 1 (n, 3) at `shares` (n, 3) of the triangles `corners` (n, 3)."""
+        """SRGB 0 to 1 (n, 3) at `shares` (n, 3) of the triangles `corners` (n, 3)."""
         normals = self._head.normals(vertices)
         values = np.concatenate([self._light.fall(vertices, normals), self._head.uvs], axis=1)
         mixed = np.zeros((len(corners), values.shape[1]), np.float32)

@@ -133,7 +133,7 @@ def _grid_triangles(rows: int, columns: int, *, flip: bool) -> NDArray[np.int64]
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     a, b, c, d = corner, corner + 1, corner + columns, corner + columns + 1
     triangles = np.concatenate([np.column_stack([a, c, b]), np.column_stack([b, c, d])])
-    return triangles[:, ::-1] if flip else triangles
+    return np.asarray(triangles[:, ::-1] if flip else triangles)
 
 
 def _motion(asset: Asset, group: str, vertices: Vectors) -> dict[str, Vectors]:

@@ -73,13 +73,12 @@ def _speech_shapes(rest: Vectors, jaw: Vectors) -> dict[str, Vectors]:
 def _underside(along: NDArray[np.float64], rest: Vectors) -> NDArray[np.float64]:
     """0 on the upper face of the tongue, 1 on its lower face, by slices along it."""
     slices = np.clip((along * 14).astype(int), 0, 13)
-    low, high = (
-        np.array([rest[slices == s, 1].min() for s in range(14) if (slices == s).any()]),
-        np.array([rest[slices == s, 1].max() for s in range(14) if (slices == s).any()]),
-    )
-    at = [along[slices == s].mean() for s in range(14) if (slices == s).any()]
+    filled = np.unique(slices)
+    low = [rest[slices == s, 1].min() for s in filled]
+    high = [rest[slices == s, 1].max() for s in filled]
+    at = [along[slices == s].mean() for s in filled]
     floor, top = np.interp(along, at, low), np.interp(along, at, high)
-    return np.clip((top - rest[:, 1]) / np.maximum(top - floor, 1e-6), 0, 1)
+    return np.asarray(np.clip((top - rest[:, 1]) / np.maximum(top - floor, 1e-6), 0, 1))
 
 
 def _raised(along: NDArray[np.float64], rest: Vectors, opened: Vectors) -> Vectors:
@@ -112,5 +111,5 @@ def _backed(along: NDArray[np.float64]) -> Vectors:
 
 
 def _front() -> float:
-    """z of the front of the upper teeth, m."""
+    """Z of the front of the upper teeth, m."""
     return UPPER.back + UPPER.depth
