@@ -363,6 +363,8 @@ class TestCsv:
              "resample the curves"),
             ("time,a\n0,0\n0.00001,0\n",
              "line 3: 2 frames in 1e-05 s are more than 1000 a second; times are in seconds"),
+            ("time,a\n0,0\n0,0\n",
+             "line 3: 2 frames in 0 s are more than 1000 a second; times are in seconds"),
             ("time,a\n0,0\n-1,0\n",
              "line 3: 2 frames in -1 s are more than 1000 a second; times are in seconds"),
         ],
@@ -411,6 +413,19 @@ class TestFuzz:
                 st.sampled_from([*NUMBERS, pieces[at] * 2]) | st.text(max_size=5)
             )
         read_or_refuse(path, "".join(pieces).encode("utf-8", "replace"))
+
+
+@IN_FOLDER
+@given(
+    times=st.lists(
+        st.sampled_from(["0", "0.0", "0.1", "1", "-1", "2", "1e-9", "1e300", "5e-324", "0.01667"]),
+        min_size=1,
+        max_size=5,
+    )
+)
+def test_any_times_give_a_clip_or_one_clear_line(tmp_path: Path, times: list[str]) -> None:
+    table = "time,a\n" + "".join(f"{time},0\n" for time in times)
+    read_or_refuse(tmp_path / "a.csv", table.encode())
 
 
 class TestLiveLink:

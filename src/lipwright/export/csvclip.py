@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -17,6 +18,7 @@ from lipwright.export.performance import (
     Output,
     PathLike,
     Performance,
+    rounded_rows,
     text_output,
 )
 from lipwright.formats.source import parse_number, read_text
@@ -29,18 +31,16 @@ LONE_FPS: Final = 60.0  # of a table with one frame, whose rate nothing tells
 
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
     """The one file."""
-    return [text_output(path, lambda: _text(performance.clip))]
+    return [text_output(path, lambda: _lines(performance.clip))]
 
 
-def _text(clip: Clip) -> str:
+def _lines(clip: Clip) -> Iterator[str]:
     head = io.StringIO()
     csv.writer(head, lineterminator="\n").writerow([TIME, *clip.names])
-    lines = [head.getvalue()]
-    rows = clip.values.astype(np.float64).round(DECIMALS) + 0.0  # no -0.0
+    yield head.getvalue()
     form = ",".join([f"%.{TIME_DECIMALS}f"] + [f"%.{DECIMALS}f"] * len(clip.names)) + "\n"
-    for time, row in zip(clip.times.tolist(), rows.tolist(), strict=True):
-        lines.append(form % (time, *row))
-    return "".join(lines)
+    for time, row in zip(clip.times, rounded_rows(clip.values, DECIMALS), strict=True):
+        yield form % (time, *row)
 
 
 def read_clip_csv(path: PathLike) -> Clip:
@@ -99,7 +99,7 @@ def _rate(path: PathLike, times: list[float], lines: list[int], decimals: int) -
         return LONE_FPS
     rounding = 10.0 ** -min(max(decimals, 1), 9)
     actual = np.asarray(times)
-    if not 1 / MAX_FPS - rounding <= actual[-1] / (len(times) - 1):
+    if actual[-1] <= 0 or actual[-1] / (len(times) - 1) < 1 / MAX_FPS - rounding:
         raise LipwrightError(
             f"{path}: line {lines[-1]}: {len(times)} frames in {times[-1]:g} s are more than "
             f"{MAX_FPS:g} a second; times are in seconds"

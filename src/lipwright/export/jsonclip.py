@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,6 +15,7 @@ from lipwright.export.performance import (
     Output,
     PathLike,
     Performance,
+    rounded_rows,
     text_output,
 )
 from lipwright.formats.jsontrack import dump, is_number, json_to_track, parse_json, track_to_json
@@ -25,25 +27,22 @@ DECIMALS: Final = 5  # of a weight; a hundred-thousandth of a movement is not se
 
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
     """The one file."""
-    return [text_output(path, lambda: _text(performance))]
+    return [text_output(path, lambda: _lines(performance))]
 
 
-def _text(performance: Performance) -> str:
+def _lines(performance: Performance) -> Iterator[str]:
     clip = performance.clip
-    fields = {
-        "format": FORMAT,
-        "version": VERSION,
-        "fps": clip.fps,
-        "names": list(clip.names),
-    }
+    fields = {"format": FORMAT, "version": VERSION, "fps": clip.fps, "names": list(clip.names)}
     if performance.track is not None:
         fields["track"] = track_to_json(performance.track)
-    lines = [f"  {dump(key)}: {dump(value)}" for key, value in fields.items()]
+    yield "{\n"
+    for key, value in fields.items():
+        yield f"  {dump(key)}: {dump(value)},\n"
     # One frame a line keeps the file fit for people and for diff.
-    rows = clip.values.astype(np.float64).round(DECIMALS) + 0.0  # no -0.0
-    frames = ",\n".join(f"    {dump(row)}" for row in rows.tolist())
-    lines.append(f'  "values": [\n{frames}\n  ]')
-    return "{\n" + ",\n".join(lines) + "\n}\n"
+    yield '  "values": ['
+    for index, row in enumerate(rounded_rows(clip.values, DECIMALS)):
+        yield f"{',' if index else ''}\n    {dump(row)}"
+    yield "\n  ]\n}\n"
 
 
 def read_clip_json(path: PathLike) -> Clip:

@@ -6,15 +6,20 @@ controls that ARKit lacks are left out.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
-
-import numpy as np
 
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT
 from lipwright.errors import LipwrightError
-from lipwright.export.performance import ExportOptions, Output, Performance, text_output
+from lipwright.export.performance import (
+    ExportOptions,
+    Output,
+    Performance,
+    rounded_rows,
+    text_output,
+)
 
 ANGLES: Final = (
     "HeadYaw", "HeadPitch", "HeadRoll",
@@ -38,18 +43,17 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
             f"{path}: the curves have no ARKit controls, which Live Link Face needs; retarget them "
             "to the ARKit rig or export another format"
         )
-    return [text_output(path, lambda: _text(clip))]
+    return [text_output(path, lambda: _lines(clip))]
 
 
-def _text(clip: Clip) -> str:
-    values = np.clip(clip.select(ARKIT).values.astype(np.float64), 0.0, 1.0) + 0.0
+def _lines(clip: Clip) -> Iterator[str]:
+    values = clip.select(ARKIT).values.clip(0, 1)
     base = int(clip.fps) if clip.fps == int(clip.fps) <= APP_FPS else APP_FPS
-    form = ",".join([f"%.{DECIMALS}f"] * len(COLUMNS))
+    form = ",".join([f"%.{DECIMALS}f"] * len(COLUMNS)) + "\n"
     still = (0.0,) * len(ANGLES)
-    lines = [",".join(("Timecode", "BlendShapeCount", *COLUMNS))]
-    for time, row in zip(clip.times.tolist(), values.tolist(), strict=True):
-        lines.append(f"{timecode(time, base)},{len(COLUMNS)}," + form % (*row, *still))
-    return "\n".join(lines) + "\n"
+    yield ",".join(("Timecode", "BlendShapeCount", *COLUMNS)) + "\n"
+    for time, row in zip(clip.times, rounded_rows(values, DECIMALS), strict=True):
+        yield f"{timecode(time, base)},{len(COLUMNS)}," + form % (*row, *still)
 
 
 def timecode(time: float, base: int) -> str:

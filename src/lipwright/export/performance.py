@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
 
 from lipwright.audio import Sound, open_audio
 from lipwright.clip import Clip
@@ -16,6 +19,7 @@ from lipwright.track import PhoneTrack
 PathLike = str | os.PathLike[str]
 
 MAX_SIDE = 4096  # px; H.264 level 5.2 ends near it
+_BLOCK = 1000  # frames
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +88,18 @@ class Output:
     """writes it to another path first"""
 
 
-def text_output(path: Path, make_text: Callable[[], str]) -> Output:
-    """An output of UTF-8 text with Unix line ends, made when it is written."""
+def rounded_rows(values: npt.NDArray[np.float32], decimals: int) -> Iterator[list[float]]:
+    """The rows of (T, C), rounded, in blocks: an hour of them as a list would take a gigabyte."""
+    for first in range(0, len(values), _BLOCK):
+        block = values[first : first + _BLOCK].astype(np.float64).round(decimals) + 0.0  # no -0.0
+        yield from block.tolist()
+
+
+def text_output(path: Path, make_lines: Callable[[], Iterable[str]]) -> Output:
+    """An output of UTF-8 text with Unix line ends, made line by line when it is written."""
 
     def write(part: Path) -> None:
-        part.write_bytes(make_text().encode("utf-8"))
+        with part.open("w", encoding="utf-8", newline="") as file:
+            file.writelines(make_lines())
 
     return Output(path, write)

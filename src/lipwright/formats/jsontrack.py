@@ -108,6 +108,10 @@ def json_to_track(path: PathLike, content: dict[str, Any]) -> PhoneTrack:
                 "('lipwright phones' lists the known ones)"
             )
     edges = _list(path, content, "edges")
+    if len(edges) != len(phones) + 1:
+        raise LipwrightError(
+            f"{path}: has {len(edges)} edges for {len(phones)} phones; write {len(phones) + 1}"
+        )
     for index, edge in enumerate(edges, 1):
         if not is_number(edge) or not 0 <= edge <= MAX_SECONDS:
             raise LipwrightError(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lipwright.errors import LipwrightError
 
-MAX_BYTES = 64 * 1024 * 1024  # a day of speech in the wordiest format; more is no label file
+MAX_BYTES = 256 * 1024 * 1024  # two hours of curves at 60 frames a second, a month of phones
 MAX_SECONDS = 1e6  # eleven days; a later time is a slip of the pen
 
 _BOMS = (
