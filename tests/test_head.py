@@ -10,14 +10,8 @@ from hypothesis import strategies as st
 from lipwright.controls import ARKIT, CANONICAL, MIRROR, TONGUE
 from lipwright.errors import LipwrightError
 from lipwright.face.build import install_head
-from lipwright.face.head import (
-    MATERIALS,
-    Head,
-    linear_to_srgb,
-    load_head,
-    save_head,
-    srgb_to_linear,
-)
+from lipwright.face.head import Head, load_head, save_head
+from lipwright.face.materials import MATERIALS, linear_to_srgb, srgb_to_linear
 from lipwright.face.obj import read_obj, read_target
 from lipwright.face.raster import rasterise
 from lipwright.face.render import pose_weights

@@ -9,16 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lipwright.face.asset import Asset
+from lipwright.face.easing import smooth_step
 from lipwright.face.eyes import eye_sphere
-from lipwright.face.lips import red_of_lips
+from lipwright.face.lips import CONTACT_UPPER, NOSE_TIP, red_of_lips
 from lipwright.face.occlusion import openness
-from lipwright.face.paint import Landmarks, hair_depth, paint_texture, skin_uvs, smooth_step
+from lipwright.face.paint import Landmarks, hair_depth, paint_texture, skin_uvs
 from lipwright.face.pieces import Piece
 from lipwright.face.topology import QuadGraph
 
-NOSE_TIP: Final = 5054  # vertices of the base mesh
-MOUTH_CORNER: Final = 7195
-CONTACT: Final = 520
+MOUTH_CORNER: Final = 7195  # of the left, in the numbers of the base mesh
 
 HAIR_M: Final = 0.0050  # m; how far the hair stands off the scalp
 NECKLINE_M: Final = -0.0985  # m; its height on the neck's axis
@@ -40,7 +39,7 @@ def dress_skin(skin: Piece, asset: Asset, body: QuadGraph) -> NDArray[np.uint8]:
         eye=eye_sphere(asset)[0],
         nose_tip=rest[NOSE_TIP],
         mouth_corner=rest[MOUTH_CORNER],
-        mouth=rest[CONTACT],
+        mouth=rest[CONTACT_UPPER],
     )
     lips = np.append(red_of_lips(body, len(rest)), 0.0)  # the last for vertices of the cut
     skin.uvs = skin_uvs(skin.vertices)

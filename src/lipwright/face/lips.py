@@ -14,7 +14,6 @@ from lipwright.face.topology import QuadGraph
 # Vertices of MakeHuman's hm08 base mesh, in the numbers of its OBJ file less one.
 CONTACT_UPPER: Final = 520  # the middle of the ring where the lips touch
 CONTACT_NEXT: Final = 7267  # its neighbour to the left: the edge loop runs on from here
-CONTACT_RING: Final = 38  # vertices in that ring
 CAVITY_RING_UPPER: Final = 571  # three rings further in, out of sight
 BORDER: Final = (455, 7214)  # two neighbours on the edge of the red
 NOSE_TIP: Final = 5054

@@ -12,8 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lipwright.face.easing import smooth_step
 from lipwright.face.eyes import EYE_TILE, IRIS_DEG, PUPIL_DEG
-from lipwright.face.head import linear_to_srgb
+from lipwright.face.materials import linear_to_srgb
 from lipwright.face.raster import barycentric, rasterise
 
 Vectors = NDArray[np.float64]
@@ -49,12 +50,6 @@ class Landmarks:
     nose_tip: Vectors
     mouth_corner: Vectors
     mouth: Vectors
-
-
-def smooth_step(low: float, high: float, x: Image) -> Image:
-    """0 below `low`, 1 above `high`, and a smooth cubic between; falls if `low` > `high`."""
-    share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(share * share * (3 - 2 * share))
 
 
 def skin_uvs(vertices: Vectors) -> Vectors:
@@ -154,7 +149,7 @@ def _skin(places: Image, known: NDArray[np.bool_], marks: Landmarks) -> Image:
     image = image * (1 + 0.55 * lids[..., None] * (LID - 1))
     image = _mix(image, LIP * (1 + 0.10 * mottle)[..., None], _lips(places))
     image = _mix(image, BROW, _brows(places, marks))
-    image = _mix(image, HAIR * (1 + 0.35 * _strands(shape))[..., None], _hair(places))
+    image = _mix(image, HAIR * (1 + 0.55 * _strands(shape))[..., None], _hair(places))
     image[~known] = SKIN
     return np.asarray(image)
 

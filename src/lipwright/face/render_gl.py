@@ -23,6 +23,7 @@ from lipwright.face.shading import (
 if TYPE_CHECKING:
     import moderngl
 
+MIP_LEVELS: Final = 2  # at the crown, where the texture's meridians meet, more would blur all of it
 SAMPLES: Final = 4  # of a pixel's edge coverage
 
 _VERTEX: Final = """
@@ -156,7 +157,7 @@ class GlPainter:
     def _upload_texture(self, pixels: NDArray[np.uint8]) -> moderngl.Texture:
         height, width = pixels.shape[:2]
         texture = self._context.texture((width, height), 3, pixels.tobytes(), alignment=1)
-        texture.build_mipmaps()
+        texture.build_mipmaps(max_level=MIP_LEVELS)
         texture.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
         texture.repeat_x = texture.repeat_y = False
         return texture
@@ -165,7 +166,7 @@ class GlPainter:
         program = self._context.program(
             vertex_shader=_BACKDROP_VERTEX, fragment_shader=_BACKDROP_FRAGMENT
         )
-        program["backdrop"].value = 1  # the second texture
+        program["backdrop"] = 1  # the second texture
         pixels = np.rint(encode(background(*self._size)) * 255).astype(np.uint8)[::-1]
         self._scene = self._context.texture(self._size, 3, pixels.tobytes(), alignment=1)
         self._scene.use(1)

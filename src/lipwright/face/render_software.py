@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lipwright.face.head import Head, srgb_to_linear
+from lipwright.face.head import Head
+from lipwright.face.materials import srgb_to_linear
 from lipwright.face.raster import barycentric, rasterise
 from lipwright.face.shading import (
     CAMERAS,

@@ -48,7 +48,7 @@ class Camera:
 CAMERAS: Final = MappingProxyType(
     {
         # A portrait: from a little above the eyes, far enough away to flatter the nose.
-        "face": Camera((0.0, 0.050, 1.30), (0.0, 0.002, 0.02), 15.0),
+        "face": Camera((0.0, 0.050, 1.30), (0.0, 0.006, 0.02), 13.9),
         "mouth": Camera((0.0, -0.015, 0.75), (0.0, -0.030, 0.09), 7.6),
     }
 )

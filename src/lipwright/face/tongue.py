@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lipwright.face.asset import Asset
+from lipwright.face.easing import smooth_step
 from lipwright.face.pieces import Piece
 from lipwright.face.teeth import UPPER
 from lipwright.face.topology import quads_to_triangles
@@ -18,12 +19,6 @@ SPEECH_JAW: Final = 0.15
 TIP_OUT_M: Final = 0.0030  # m that the tip passes the front of the upper teeth for "th"
 
 Vectors = NDArray[np.float64]
-
-
-def smooth_step(low: float, high: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """0 below `low`, 1 above `high`, and a smooth cubic between."""
-    share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(share * share * (3 - 2 * share))
 
 
 def tongue_piece(asset: Asset) -> Piece:
@@ -87,7 +82,7 @@ def _raised(along: NDArray[np.float64], rest: Vectors, opened: Vectors) -> Vecto
     tip = opened[np.argmax(rest[:, 2])]
     curl = smooth_step(0.45, 1.0, along) * (1 - 0.45 * _underside(along, rest))
     moves = curl[:, None] * (ridge - tip)
-    moves[:, 0] -= 0.12 * curl * rest[:, 0]  # a pointed tip leaves the sides open
+    moves[:, 0] = -0.12 * curl * rest[:, 0]  # a pointed tip leaves the sides open
     return np.asarray(moves)
 
 
