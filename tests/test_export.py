@@ -301,11 +301,13 @@ class TestJson:
             (HEAD + '"values": [[null]]}', "frame 0: 'jawOpen' is 'None', not a number; correct"),
             (HEAD + '"values": [[1e300]]}', "frame 0: 'jawOpen' is too large a number; correct"),
             (HEAD + '"values": [[1e999]]}', "frame 0: 'jawOpen' is 'inf', not a number; correct"),
+            (HEAD + '"values": [[1' + "0" * 400 + "]]}",
+             "frame 0: 'jawOpen' is '100000000000000000000000', not a number; correct it"),
             (HEAD + '"values": []}', "'values' is not a list of frames; correct it"),
             (HEAD + '"values": [[0]], "track": 3}', "'track' is not an object; correct it or "),
             (HEAD.replace("60", "0") + '"values": [[0]]}', "'fps' is 0, not a rate up to 1000 a "),
             (HEAD.replace('["jawOpen"]', '["a", "a"]') + '"values": [[0, 0]]}',
-             "control names repeat: a; correct it"),
+             "the control 'a' stands twice; delete one"),
             ('{"format": "lipwright-track", "version": 1}',
              "is of the format 'lipwright-track'; expected \"format\": \"lipwright-clip\""),
         ],
@@ -389,7 +391,21 @@ def read_or_refuse(path: Path, content: bytes) -> None:
     assert "\n" not in message
 
 
-NUMBERS = ("nan", "-1", "1e308", "1e999", "999999999", "0", "", "٣", "1_0", "true", "null", "[")
+NUMBERS = (
+    "9" * 400,
+    "nan",
+    "-1",
+    "1e308",
+    "1e999",
+    "999999999",
+    "0",
+    "",
+    "٣",
+    "1_0",
+    "true",
+    "null",
+    "[",
+)
 
 
 @pytest.mark.parametrize("suffix", [".json", ".csv"])

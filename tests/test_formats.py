@@ -526,7 +526,21 @@ def read_or_refuse(path: Path, content: bytes, duration: float | None = None) ->
         assert "\n" not in result
 
 
-NUMBERS = ("nan", "-1", "1e308", "-1e308", "1e999", "999999999", "0", "", "٣", "1_0", "0x10", "−1")
+NUMBERS = (
+    "9" * 400,
+    "nan",
+    "-1",
+    "1e308",
+    "-1e308",
+    "1e999",
+    "999999999",
+    "0",
+    "",
+    "٣",
+    "1_0",
+    "0x10",
+    "−1",
+)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

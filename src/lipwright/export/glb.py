@@ -7,7 +7,6 @@ stand in the mesh's `extras.targetNames`, where Blender, three.js and Unreal loo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -191,6 +190,8 @@ def _bounds(values: npt.NDArray[Any]) -> dict[str, list[float]]:
 
 
 def _asset(clip: Clip, sound: str | None) -> Any:
+    from importlib.metadata import version
+
     import pygltflib as gltf
 
     own = version("lipwright")

@@ -107,6 +107,11 @@ def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[floa
     Raises:
         LipwrightError: names repeat, or a value is too large.
     """
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise LipwrightError(f"{path}: the control {name[:40]!r} stands twice; delete one")
+        seen.add(name)
     values = np.array(rows, np.float64).reshape(len(rows), len(names))
     limit = float(np.finfo(np.float32).max)
     if (np.abs(values) > limit).any():
@@ -114,7 +119,4 @@ def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[floa
         raise LipwrightError(
             f"{path}: frame {frame}: {names[column][:40]!r} is too large a number; correct it"
         )
-    try:
-        return Clip(tuple(names), fps, values.astype(np.float32))
-    except ValueError as error:
-        raise LipwrightError(f"{path}: {error}; correct it") from None
+    return Clip(tuple(names), fps, values.astype(np.float32))

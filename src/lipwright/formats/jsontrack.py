@@ -61,11 +61,12 @@ def parse_json(path: PathLike, kind: str, version: int) -> dict[str, Any]:
     """
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        keys = [key for key, _ in pairs]
-        if len(set(keys)) != len(keys):
-            repeated = next(key for key in keys if keys.count(key) > 1)
-            raise LipwrightError(f"{path}: the key {repeated[:24]!r} stands twice; delete one")
-        return dict(pairs)
+        found: dict[str, Any] = {}
+        for key, value in pairs:
+            if key in found:
+                raise LipwrightError(f"{path}: the key {key[:24]!r} stands twice; delete one")
+            found[key] = value
+        return found
 
     def no_constant(name: str) -> float:
         raise LipwrightError(f"{path}: holds {name}, which is no number; correct it")
@@ -137,9 +138,10 @@ def json_to_track(path: PathLike, content: dict[str, Any]) -> PhoneTrack:
 
 def is_number(value: object) -> bool:
     """Whether a value of JSON is a finite number (a truth value is not)."""
-    if isinstance(value, float):
-        return math.isfinite(value)
-    return isinstance(value, int) and not isinstance(value, bool)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    # A whole number of hundreds of digits has no float.
+    return math.isfinite(value) if isinstance(value, float) else abs(value) < 2**1023
 
 
 def _list(
