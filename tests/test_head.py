@@ -159,9 +159,8 @@ def test_the_aperture_curve_agrees_with_posing_the_whole_head(head: Head) -> Non
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.sampled_from(CANONICAL), st.floats(0, 1))
-def test_mirrored_controls_mirror_the_lips(name: str, weight: float) -> None:
-    head = load_head()
+@given(name=st.sampled_from(CANONICAL), weight=st.floats(0, 1))
+def test_mirrored_controls_mirror_the_lips(head: Head, name: str, weight: float) -> None:
     pairs = head.lip_pairs[[0, 2, 1]]  # left and right change places
     posed = head.pose(pose_weights(**{name: weight}))
     mirrored = head.pose(pose_weights(**{MIRROR[name]: weight}))
