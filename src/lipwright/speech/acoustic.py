@@ -29,7 +29,13 @@ N_DENSITIES: Final = 128  # Gaussians of a codebook
 PAUSE: Final = "SIL"
 NOISE: Final = "+NSN+"  # breath, smacks, knocks
 FILLERS: Final = frozenset((PAUSE, NOISE, "+SPN+"))
-_LEAST: Final = np.float32(1e-30)  # of the best density of a frame; no senone is impossible
+# Nats under the best density of a frame: no senone is impossible, and no number is denormal.
+_LEAST: Final = np.float32(-60.0)
+# Matrix products this small stay on one thread in OpenBLAS, and in the cache. Its threads spin
+# while they wait for each other: on a busy machine that took six times as long.
+_AT_ONCE: Final = 64  # frames
+_ROWS_AT_ONCE: Final = 32  # senones
+
 
 Position = Literal["inner", "first", "last", "only"]
 _POSITIONS: Final[dict[Position, int]] = {"inner": 0, "first": 1, "last": 2, "only": 3}
@@ -61,9 +67,9 @@ class AcousticModel:
     senone_base: Ints
     """(S,) the base phone of each senone"""
     weights: npt.NDArray[np.uint8]
-    """(3 streams, 128, S) quantised negative logarithms of the mixture weights"""
+    """(3 streams, S, 128) quantised negative logarithms of the mixture weights"""
     gaussians: tuple[Floats, ...]
-    """for each stream (2 D + 1, 128 B): factors of x, of x squared, and the constant"""
+    """for each stream (B, 128, 2 D + 1): factors of x, of x squared, and the constant"""
     transitions: Floats
     """(B, 3, 2) log-probabilities of staying in a state and of leaving it"""
 
@@ -82,24 +88,43 @@ class AcousticModel:
 
     def score(self, features: Floats, senones: npt.NDArray[np.integer]) -> Floats:
         """(T, len(senones)) log-likelihoods of `features` (T, 39)."""
-        likelihoods = np.zeros((len(features), len(senones)), np.float32)
-        bases = self.senone_base[senones]
-        groups = [(base, np.flatnonzero(bases == base)) for base in np.unique(bases)]
-        n_bases = len(self.base_phones)
-        for stream, gaussians in enumerate(self.gaussians):
-            x = features[:, stream * N_CEPSTRA : (stream + 1) * N_CEPSTRA]
-            terms = np.concatenate([x, x * x, np.ones((len(x), 1), np.float32)], axis=1)
-            density = terms @ gaussians
-            peak = density.max(axis=1, keepdims=True)  # (T, 1)
-            density -= peak
-            np.exp(density, out=density)
-            density = density.reshape(len(x), n_bases, N_DENSITIES)
-            mixture = _WEIGHTS[self.weights[stream][:, senones]]
-            total = np.empty_like(likelihoods)
-            for base, columns in groups:
-                total[:, columns] = density[:, base] @ mixture[:, columns]
-            likelihoods += np.log(total + _LEAST) + peak
+        # Senones of one codebook side by side, time along the rows: both make it much faster.
+        order = np.argsort(self.senone_base[senones], kind="stable")
+        ordered = senones[order]
+        groups = _groups(self.senone_base[ordered])
+        mixtures = _WEIGHTS[self.weights[:, ordered]]  # (3, S, 128)
+        likelihoods = np.empty((len(features), len(senones)), np.float32)
+        for start in range(0, len(features), _AT_ONCE):
+            some = slice(start, start + _AT_ONCE)
+            likelihoods[some, order] = self._score(features[some].T, mixtures, groups).T
         return likelihoods
+
+    def _score(self, features: Floats, mixtures: Floats, groups: list[tuple[int, slice]]) -> Floats:
+        """(S, T) log-likelihoods of `features` (39, T)."""
+        likelihoods = np.zeros((mixtures.shape[1], features.shape[1]), np.float32)
+        total = np.empty_like(likelihoods)
+        for stream, gaussians in enumerate(self.gaussians):
+            x = features[stream * N_CEPSTRA : (stream + 1) * N_CEPSTRA]
+            density = gaussians @ np.concatenate([x, x * x, np.ones_like(x[:1])])  # (B, 128, T)
+            peak = density.max(axis=(0, 1))
+            density -= peak
+            np.maximum(density, _LEAST, out=density)
+            np.exp(density, out=density)
+            for base, rows in groups:
+                np.matmul(mixtures[stream, rows], density[base], out=total[rows])
+            likelihoods += np.log(total, out=total)
+            likelihoods += peak
+        return likelihoods
+
+
+def _groups(bases: npt.NDArray[np.integer]) -> list[tuple[int, slice]]:
+    """Rows of equal base phone, sorted by it, in pieces of at most _ROWS_AT_ONCE."""
+    cuts = np.flatnonzero(np.diff(bases, prepend=-1, append=-1))
+    return [
+        (int(bases[low]), slice(first, min(first + _ROWS_AT_ONCE, high)))
+        for low, high in zip(cuts[:-1], cuts[1:], strict=True)
+        for first in range(low, high, _ROWS_AT_ONCE)
+    ]
 
 
 def _read_s3(path: Path) -> tuple[tuple[int, ...], Floats]:
@@ -127,10 +152,7 @@ def _read_gaussians(folder: Path) -> tuple[Floats, ...]:
     variance = np.maximum(variances.reshape(mean.shape), _VARIANCE_FLOOR).astype(np.float64)
     constant = -0.5 * (np.log(2 * np.pi * variance) + mean**2 / variance).sum(-1, keepdims=True)
     table = np.concatenate([mean / variance, -0.5 / variance, constant], axis=-1)
-    return tuple(
-        np.ascontiguousarray(table[:, stream].reshape(-1, table.shape[-1]).T, np.float32)
-        for stream in range(3)
-    )
+    return tuple(np.ascontiguousarray(table[:, stream], np.float32) for stream in range(3))
 
 
 def _read_transitions(folder: Path) -> Floats:
@@ -151,7 +173,8 @@ def _read_weights(folder: Path, n_senones: int) -> npt.NDArray[np.uint8]:
         start = file.tell()
     if (n_densities, count) != (128, n_senones):
         raise ValueError(f"unexpected shape {(n_densities, count)}")
-    return np.memmap(path, np.uint8, "r", start, (3, n_densities, n_senones))
+    table = np.fromfile(path, np.uint8, 3 * n_densities * n_senones, offset=start)
+    return np.ascontiguousarray(table.reshape(3, n_densities, n_senones).transpose(0, 2, 1))
 
 
 def _read_definition(folder: Path) -> tuple[tuple[str, ...], Ints, Ints, Ints]:

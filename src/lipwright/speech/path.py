@@ -38,23 +38,27 @@ def find_path(search: Search, report: Callable[[float], None]) -> list[Segment]:
 def _cut(
     graph: Graph, path: list[Segment], start: int, stop: int
 ) -> tuple[int, int, list[Segment]]:
-    """Where to go on, frame and hub, and the path up to there."""
-    low, high = start + (stop - start) // 3, stop - LAG
+    """Where to go on, frame and hub, and the path up to there.
 
-    def room(segment: Segment) -> int:
-        return min(segment.stop, high) - max(segment.start, low)
-
+    That is in the longest pause of the last stretch that is sure, or else of the one before.
+    """
+    high = stop - LAG
     pauses = [s for s in path if graph.pronunciation[s.node] == FILLER_WORD]
-    longest = max(pauses, key=room, default=None)
-    if longest is not None and room(longest) > 0:
-        frame = (min(longest.stop, high) + max(longest.start, low)) // 2
-        last = longest
+    for low in (high - LAG, start + LAG):
+        longest = max(pauses, key=lambda s: _overlap(s, low, high), default=None)
+        if longest is not None and _overlap(longest, low, high) > 0:
+            frame = (min(longest.stop, high) + max(longest.start, low)) // 2
+            break
     else:
-        starts = [s for s in path if graph.position[s.node] == 0 and low < s.start <= high]
-        last = starts[-1] if starts else path[-1]
-        frame = last.start
+        starts = [s for s in path if graph.position[s.node] == 0 and start + LAG < s.start <= high]
+        longest = starts[-1] if starts else path[-1]
+        frame = longest.start
     kept = [s for s in path if s.stop <= frame]
-    if last.start < frame:
-        share = (frame - last.start) / (last.stop - last.start)
-        kept.append(replace(last, stop=frame, score=last.score * share))
-    return frame, int(graph.hub[last.node]), kept
+    if longest.start < frame:
+        share = (frame - longest.start) / (longest.stop - longest.start)
+        kept.append(replace(longest, stop=frame, score=longest.score * share))
+    return frame, int(graph.hub[longest.node]), kept
+
+
+def _overlap(segment: Segment, low: int, high: int) -> int:
+    return min(segment.stop, high) - max(segment.start, low)

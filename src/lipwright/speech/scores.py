@@ -66,15 +66,17 @@ class Scores:
 
     def ratios(self, start: int, stop: int, senones: npt.NDArray[np.integer]) -> Floats:
         """(stop - start, len(senones)) nats by which a senone beats any speech."""
+        if stop <= self._known:
+            return self.likelihoods(start, stop, senones) - self._gains[start:stop, None]
+        assert start <= self._known  # the loop hears every frame in turn
         heard = self.likelihoods(start, stop, np.concatenate([senones, self._loop.senones.ravel()]))
-        if stop > self._known:
-            assert start <= self._known  # the loop hears every frame in turn
-            fresh = heard[self._known - start :, len(senones) :]
-            shape = (len(fresh), *self._loop.senones.shape)
-            gains = self._loop.advance(fresh.reshape(shape).transpose(0, 2, 1))
-            self._gains[self._known : stop] = gains
-            self._known = stop
-        return np.asarray(heard[:, : len(senones)] - self._gains[start:stop, None])
+        fresh = heard[self._known - start :, len(senones) :]
+        shape = (len(fresh), *self._loop.senones.shape)
+        self._gains[self._known : stop] = self._loop.advance(
+            fresh.reshape(shape).transpose(0, 2, 1)
+        )
+        self._known = stop
+        return heard[:, : len(senones)] - self._gains[start:stop, None]
 
     def likelihoods(self, start: int, stop: int, senones: npt.NDArray[np.integer]) -> Floats:
         """(stop - start, len(senones)) natural logarithms of likelihood densities."""

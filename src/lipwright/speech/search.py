@@ -21,7 +21,7 @@ from lipwright.speech.scores import Scores
 Ints = npt.NDArray[np.intp]
 
 BLOCK: Final = 300  # frames that are searched before the reach moves
-AHEAD: Final = 80  # words in reach after the best hypothesis
+AHEAD: Final = 60  # words in reach after the best hypothesis
 BEAM: Final = 1500.0  # nats behind the best at which a hypothesis falls out of reach
 NEVER: Final = np.float32(-1e30)
 

@@ -80,24 +80,8 @@ def _pronounce(
 ) -> tuple[tuple[str, ...], ...]:
     from lipwright.language import get_language
 
-    try:
-        get_language(language)
-    except ImportError:
-        return _provisional()[word.text]
     found = get_language(language).pronounce(word.text, dictionary)
     return tuple(pronunciation.phones for pronunciation in found)
-
-
-@cache
-def _provisional() -> dict[str, tuple[tuple[str, ...], ...]]:
-    found: dict[str, tuple[tuple[str, ...], ...]] = {}
-    folder = model_folder()
-    assert folder is not None
-    for line in (folder.parent / "cmudict-en-us.dict").read_text(encoding="utf-8").splitlines():
-        word, _, phones = line.strip().partition(" ")
-        word = word[0] + word[1:].partition("(")[0]
-        found[word] = (*found.get(word, ()), tuple(phones.split()))
-    return found
 
 
 @cache
