@@ -99,7 +99,7 @@ def correlation(
         return float("nan")
     real = reference_aperture.values[inside]
     guess = estimated_aperture.at(times[inside] + lag)
-    if real.std() == 0 or guess.std() == 0:
+    if np.ptp(real) == 0 or np.ptp(guess) == 0:
         return float("nan")
     return float(np.corrcoef(real, guess)[0, 1])
 
@@ -163,13 +163,18 @@ def _runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
 def false_closures(
     reference_aperture: Aperture, estimated_aperture: Aperture, track: PhoneTrack
 ) -> int:
-    """How often, inside speech, the estimate is shut for 30 ms while the real lips stay open."""
+    """How often, inside speech, the estimate is shut for 30 ms or more while the real lips stay open.
+
+    They stay open if they never come near closing all the while that the estimate is shut.
+    """
     start, end = speech_span(track)
     times = np.arange(start, end, 0.005)
     shut = estimated_aperture.at(times) < SHUT * estimated_aperture.loud
     is_open = reference_aperture.at(times) > OPEN * reference_aperture.loud
     needed = round(FALSE_CLOSURE_MIN / 0.005)
-    return sum(last - first >= needed for first, last in _runs(shut & is_open))
+    return sum(
+        last - first >= needed and bool(is_open[first:last].all()) for first, last in _runs(shut)
+    )
 
 
 def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float = 0.0) -> float:
