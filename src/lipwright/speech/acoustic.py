@@ -12,6 +12,7 @@ import struct
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 from typing import Final, Literal
 
@@ -119,10 +120,10 @@ class AcousticModel:
 
 def _groups(bases: npt.NDArray[np.integer]) -> list[tuple[int, slice]]:
     """Rows of equal base phone, sorted by it, in pieces of at most _ROWS_AT_ONCE."""
-    cuts = np.flatnonzero(np.diff(bases, prepend=-1, append=-1))
+    cuts = np.flatnonzero(np.diff(bases, prepend=-1, append=-1)).tolist()
     return [
         (int(bases[low]), slice(first, min(first + _ROWS_AT_ONCE, high)))
-        for low, high in zip(cuts[:-1], cuts[1:], strict=True)
+        for low, high in pairwise(cuts)
         for first in range(low, high, _ROWS_AT_ONCE)
     ]
 

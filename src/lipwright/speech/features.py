@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float32]
 Doubles = npt.NDArray[np.float64]
+Power = npt.NDArray[np.floating]
 
 RATE: Final = 16000  # Hz
 HOP: Final = 160  # samples
@@ -84,7 +85,7 @@ class NoiseRemoval:
         """Nothing is known of the noise yet."""
         self._state: tuple[Doubles, Doubles, Doubles, Doubles] | None = None
 
-    def __call__(self, spectra: Doubles) -> Doubles:
+    def __call__(self, spectra: Power) -> Doubles:
         """Mel power (T, ..., 25) with the noise removed, for the next T frames."""
         if self._state is None:
             first = spectra[0]
@@ -105,14 +106,14 @@ class NoiseRemoval:
         return spectra * _spread(gains)
 
 
-def _spread(gains: Doubles) -> Doubles:
+def _spread(gains: Power) -> Doubles:
     total = np.concatenate([np.zeros_like(gains[..., :1]), np.cumsum(gains, axis=-1)], axis=-1)
     index = np.arange(N_FILTERS)
     low, high = np.maximum(index - _SPREAD, 0), np.minimum(index + _SPREAD + 1, N_FILTERS)
     return np.asarray((total[..., high] - total[..., low]) / (high - low))
 
 
-def cepstra(spectra: Doubles) -> Floats:
+def cepstra(spectra: Power) -> Floats:
     """(T, 13) liftered mel cepstra of mel power (T, 25)."""
     return (np.log(spectra + _LOG_FLOOR) @ _to_cepstra()).astype(np.float32)
 
@@ -152,7 +153,7 @@ def spectra_of(sound: Sound) -> Iterator[Doubles]:
 
     Zeros follow the sound, so that each of its samples is in a window.
     """
-    kept = np.zeros(1, np.float32)  # the sample before, and samples of windows yet to come
+    kept: Floats = np.zeros(1, np.float32)  # the sample before, and samples of windows yet to come
     for samples in _with_tail(sample_blocks(sound)):
         kept = np.concatenate([kept, samples])
         count = (len(kept) - 1 - WINDOW) // HOP + 1

@@ -19,13 +19,13 @@ _USUAL: Final = 0.95  # median score of right words of clean speech, GRID
 _ALLOWANCE: Final = 1.5  # for each unit that the median lies lower: noise also spreads scores
 _MOST_ALLOWANCE: Final = 1.6  # the median is 1.0 lower in white noise at 10 dB
 
-LEAST_FIT: Final = -1.5  # adjusted score from which a word fits
+LEAST_FIT: Final = -2.0  # adjusted score from which a word fits
 WORST: Final = -20.0  # score of a word that has no room
 
 # Confidence is logistic in the adjusted score. Scale and centre are those of a logistic
 # regression on GRID speaker 1: 360 right words against 60 put in the place of others,
 # area under the curve 0.97 on clean speech, 0.91 in babble and 0.85 in white noise at 10 dB.
-_CENTRE: Final = -1.5
+_CENTRE: Final = -2.0
 _SLOPE: Final = 1.0
 
 

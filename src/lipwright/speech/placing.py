@@ -18,7 +18,7 @@ from lipwright.track import PhoneTrack, Word
 if TYPE_CHECKING:
     from lipwright.audio import Sound
 
-LEAST_FITTING: Final = 0.34  # share of the words that must fit for the text to be the right one
+LEAST_SHARE: Final = 0.42  # of what is said and written must fit, for the text to be the right one
 
 # A frame tells about the middle of its window; an edge lies between two such middles.
 _EDGE_OFFSET: Final = FRAME_CENTRE - 0.5 / FRAME_RATE  # s
@@ -39,20 +39,25 @@ def to_alignment(judged: Judged, rows: Sequence[SpokenRow], sound: Sound) -> Ali
         )
         for index, (start, stop, score) in sorted(judged.misfits.items())
     )  # fmt: skip
-    if len(rows) - len(misfits) < LEAST_FITTING * len(rows):
-        raise _other_text(misfits, min(judged.misfits), rows, sound)
+    if judged.share < LEAST_SHARE:
+        raise _other_text(judged, misfits, rows, sound)
     words = [judged.placed[index] for index in sorted(judged.placed)]
     return Alignment(_track(words, rows, judged.allowance, sound.duration), misfits)
 
 
 def _other_text(
-    misfits: Sequence[Misfit], index: int, rows: Sequence[SpokenRow], sound: Sound
+    judged: Judged, misfits: Sequence[Misfit], rows: Sequence[SpokenRow], sound: Sound
 ) -> LipwrightError:
-    name, first, word = getattr(sound, "name", "audio"), misfits[0], rows[index].word
+    name = getattr(sound, "name", "audio")
+    place = "most of what is said is not in it"
+    if misfits:
+        word = rows[min(judged.misfits)].word
+        place = (
+            f"{len(misfits)} of {len(rows)} words do not, the first at {misfits[0].start:.2f} s, "
+            f"{word.written!r} (line {word.line}, column {word.column})"
+        )
     return LipwrightError(
-        f"{name}: the text does not fit the sound: {len(misfits)} of {len(rows)} words do not, the "
-        f"first at {first.start:.2f} s, {word.written!r} (line {word.line}, column {word.column}); "
-        "give the words of this recording"
+        f"{name}: the text does not fit the sound: {place}; give the words of this recording"
     )
 
 

@@ -15,15 +15,15 @@ from lipwright.speech.features import (
     cepstra,
     spectra_of,
 )
-from lipwright.speech.silence import speech_frames
+from lipwright.speech.silence import speech_frames, speech_level
 
 if TYPE_CHECKING:
     from lipwright.audio import Sound
 
-_LOUD: Final = 0.95  # quantile of the levels that is brought to _LOUD_DB
 _QUIET: Final = 0.05  # quantile of the levels that is taken for the noise floor
 _LOUD_DB: Final = 88.0  # dB of mel power, the usual level of speech in 16-bit samples
 _DEPTH_DB: Final = 60.0  # what lies deeper under the loud frames counts as so deep: digital zeros
+_HISS_SHAPE: Final = 3.0  # of the gamma distribution of the power of noise in one filter
 _MEAN_REACH: Final = 15.0  # s on both sides over which the mean of the cepstra is taken
 _MEAN_MARGIN: Final = 0.5  # s of silence around speech that count as in the model's training
 _MEAN_STEP: Final = 5.0  # s between two such means
@@ -47,20 +47,24 @@ def levels(power: Floats) -> Doubles:
 
 def dynamic_range(power: Floats) -> float:
     """How far loud frames rise over the quietest, in dB."""
-    quiet, loud = np.quantile(levels(power), (_QUIET, _LOUD))
-    return float(loud - quiet)
+    level = levels(power)
+    return speech_level(level) - float(np.quantile(level, _QUIET))
 
 
 def static_features(power: Floats) -> Floats:
     """Cepstra (T, 13) with the mean of speech taken off."""
     level = levels(power)
-    loud = float(np.quantile(level, _LOUD))
-    gain = 10 ** ((_LOUD_DB - loud) / 10)
+    gain = 10 ** ((_LOUD_DB - speech_level(level)) / 10)
     active = speech_frames(level, FRAME_RATE, _MEAN_MARGIN)
-    least = 10 ** ((_LOUD_DB - _DEPTH_DB) / 10) / power.shape[1]
-    clean = _without_noise(np.maximum(power * np.float32(gain), np.float32(least)))
-    static = cepstra(clean)
+    static = cepstra(_without_noise(np.maximum(power * np.float32(gain), _hiss(power.shape))))
     return static - _speech_mean(static, active)
+
+
+def _hiss(shape: tuple[int, ...]) -> Floats:
+    """Mel power of faint noise: the model never heard digital silence, and takes it for sounds."""
+    least = 10 ** ((_LOUD_DB - _DEPTH_DB) / 10) / shape[1]
+    noise = np.random.default_rng(0).standard_gamma(_HISS_SHAPE, shape, np.float32)
+    return noise * np.float32(least / _HISS_SHAPE)
 
 
 def _without_noise(power: Floats) -> Floats:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from lipwright.speech.fit import LEAST_FIT, PlacedWord, SpokenRow, noise_allowance, placed_words
 from lipwright.speech.graph import ANY_SPEECH, build_graph
-from lipwright.speech.scores import Scores
 from lipwright.speech.search import STRICT, Costs, Search, Segment
 
 _CONTEXT: Final = 2  # right words on each side that are heard again
@@ -16,6 +17,7 @@ _FARTHEST: Final = 2000  # frames, 20 s, that are heard again before the first o
 _LOOSE: Final = Costs(
     skip=STRICT.skip, begin_other=10.0, other=1.5
 )  # no word is left out, other speech is cheap
+_USUAL_FRAMES: Final = 8  # of a phone
 _LEAST_SPOKEN: Final = 0.5  # share of a misfit's frames that are speech, to stay in the track
 
 
@@ -29,17 +31,21 @@ class Judged:
     """index to start, stop (frames) and score, or None where there is no room for the word"""
     allowance: float
     """added to scores, for the noise of the recording"""
+    share: float
+    """0 to 1, how much of what is said and of what is written the fitting words are"""
 
 
 class Judge:
     """Decides which words fit, from a first path on."""
 
-    def __init__(self, scores: Scores, rows: Sequence[SpokenRow], first: list[PlacedWord]) -> None:
-        """`first` are the words of the first path."""
-        self.scores, self.rows = scores, rows
+    def __init__(self, search: Search, path: Sequence[Segment], rows: Sequence[SpokenRow]) -> None:
+        """`path` is the first path of all words."""
+        self.scores, self.rows = search.scores, rows
+        first = placed_words(search.graph, path)
         self.allowance = noise_allowance([word.score for word in first])
         self.placed = {word.index: word for word in first}
-        self.spoken: list[tuple[int, int]] = []  # frames that hold speech of no word
+        self.other = np.zeros(len(self.scores), np.bool_)  # frames that hold speech of no word
+        self._mark_other(search, path)
 
     def fits(self, word: PlacedWord) -> bool:
         """Whether the word is likely to be what is said there."""
@@ -56,7 +62,7 @@ class Judge:
         found: dict[int, tuple[int, int, float | None]] = {}
         for run in _runs(misfits, 1):
             self._place_misfits(run, fitting, found)
-        return Judged(self.placed, found, self.allowance)
+        return Judged(self.placed, found, self.allowance, self._share(found))
 
     def _free_neighbours(self, run: list[int], fitting: list[int]) -> None:
         """Align the words around misfits again, as if the misfits were not in the transcript."""
@@ -73,7 +79,7 @@ class Judge:
         stop = self.placed[after[-1]].stop if after else (
             min(self.placed[words[-1]].stop + _FARTHEST, len(self.scores)))  # fmt: skip
         search, path = self._search(words, start, stop, _LOOSE)
-        self.spoken += [(s.start, s.stop) for s in path if _is_other(search, s)]
+        self._mark_other(search, path)
         for word in placed_words(search.graph, path):
             index = words[word.index]
             self.placed[index] = replace(word, index=index)
@@ -100,10 +106,24 @@ class Judge:
                 self.placed[index] = placed
 
     def _is_spoken(self, word: PlacedWord) -> bool:
-        frames = sum(
-            max(min(stop, word.stop) - max(start, word.start), 0) for start, stop in self.spoken
+        return float(self.other[word.start : word.stop].mean()) >= _LEAST_SPOKEN
+
+    def _mark_other(self, search: Search, path: Sequence[Segment]) -> None:
+        for segment in path:
+            if search.graph.senones[segment.node, 0] == ANY_SPEECH:
+                self.other[segment.start : segment.stop] = True
+
+    def _share(self, misfits: Container[int]) -> float:
+        """Frames of fitting words over those, other speech, and what misfits would take."""
+        fitting = np.zeros(len(self.scores), np.bool_)
+        for index, word in self.placed.items():
+            if index not in misfits:
+                fitting[word.start : word.stop] = True
+        other = int((self.other & ~fitting).sum())
+        missing = sum(
+            _USUAL_FRAMES * len(row.phones[0]) for i, row in enumerate(self.rows) if i in misfits
         )
-        return frames >= _LEAST_SPOKEN * (word.stop - word.start)
+        return float(fitting.sum() / max(fitting.sum() + other + missing, 1))
 
     def _search(
         self, words: Sequence[int], start: int, stop: int, costs: Costs
@@ -111,10 +131,6 @@ class Judge:
         graph = build_graph(self.scores.model, [self.rows[i].model_phones for i in words])
         search = Search(graph, self.scores, costs)
         return search, search.run(start, stop, 0, to_end=True)
-
-
-def _is_other(search: Search, segment: Segment) -> bool:
-    return bool(search.graph.senones[segment.node, 0] == ANY_SPEECH)
 
 
 def _runs(indices: Sequence[int], reach: int) -> list[list[int]]:

@@ -185,8 +185,8 @@ class _Reach:
         self.high = int(graph.starts[last + 1])
         self.nodes, self.hubs = slice(self.low, self.high), slice(first, last + 1)
         n_nodes, n_hubs = self.high - self.low, last + 1 - first
-        self.states = np.full((3, n_nodes), NEVER, np.float32)
-        self.at_hub = np.full(n_hubs, NEVER, np.float32)
+        self.states: Floats = np.full((3, n_nodes), NEVER, np.float32)
+        self.at_hub: Floats = np.full(n_hubs, NEVER, np.float32)
         self._ramp = search.costs.skips(n_hubs)
         self._only = self._local(search._only[self.nodes])
         low, high = np.searchsorted(search._choosers, (self.low, self.high))
@@ -243,7 +243,8 @@ class _Reach:
         stay, leave = search._stay[:, self.nodes], search._leave[:, self.nodes]
         cost = search._cost[self.nodes]
         places = np.full(n_nodes + n_hubs + 1, NEVER, np.float32)
-        states, at_hub = self.states, self.at_hub
+        states: Floats = self.states
+        at_hub: Floats = self.at_hub
         choosers, hub_rows = np.arange(len(self._choosers)), np.arange(n_hubs)
         arrive = np.empty_like(states)
         ramp, strict = self._ramp, np.isinf(search.costs.skip)
@@ -270,7 +271,8 @@ class _Reach:
             at_hub = direct if strict else np.maximum.accumulate(direct + ramp) - ramp
             # Rounding must not look like a word left out.
             np.greater(at_hub, direct + 0.01, out=skipped[frame])
-        self.states, self.at_hub = states, at_hub
+        self.states = states
+        self.at_hub = at_hub
         return _Block(start, self.low, self.first, arrived, choices, self._which, exits, skipped,
                       ratios, columns)  # fmt: skip
 

@@ -10,7 +10,9 @@ import numpy.typing as npt
 Doubles = npt.NDArray[np.float64]
 
 _FLOOR_SHARE: Final = 0.1  # quantile of the levels that is taken for the noise floor
-_SPEECH_SHARE: Final = 0.95  # and for the level of speech
+_PEAK_SHARE: Final = 0.999  # and for the loudest
+_SPEECH_DEPTH: Final = 25.0  # dB under the loudest down to which frames tell the level of speech
+_SPEECH_SHARE: Final = 0.8  # quantile of those
 _RISE: Final = 0.25  # share of the way from floor to speech, in dB, at which speech begins
 _LEAST_RISE: Final = 6.0  # dB, at least so much over the floor
 MARGIN: Final = 0.25  # s around speech: weak beginnings and ends
@@ -27,6 +29,12 @@ def level_contour(samples: npt.NDArray[np.floating], rate: int, fps: float = 100
     return np.asarray(10 * np.log10(np.maximum(power, 1e-12)))
 
 
+def speech_level(levels: Doubles) -> float:
+    """The level in dB of loud speech, however much of the recording is silent."""
+    peak = np.quantile(levels, _PEAK_SHARE)
+    return float(np.quantile(levels[levels >= peak - _SPEECH_DEPTH], _SPEECH_SHARE))
+
+
 def speech_frames(
     levels: npt.ArrayLike, fps: float = 100.0, margin: float = MARGIN
 ) -> npt.NDArray[np.bool_]:
@@ -38,7 +46,7 @@ def speech_frames(
     levels = np.asarray(levels, np.float64)
     if len(levels) == 0:
         return np.zeros(0, np.bool_)
-    floor, speech = np.quantile(levels, (_FLOOR_SHARE, _SPEECH_SHARE))
+    floor, speech = np.quantile(levels, _FLOOR_SHARE), speech_level(levels)
     threshold = floor + max(_RISE * (speech - floor), _LEAST_RISE)
     if threshold > speech:
         return np.ones(len(levels), np.bool_)

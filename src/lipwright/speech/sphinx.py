@@ -14,7 +14,7 @@ from lipwright.errors import LipwrightError
 from lipwright.phones import nearest_phones
 from lipwright.speech.acoustic import FILLERS, AcousticModel, load_model, model_folder
 from lipwright.speech.aligner import Alignment, Progress
-from lipwright.speech.fit import SpokenRow, placed_words
+from lipwright.speech.fit import SpokenRow
 from lipwright.speech.graph import build_graph
 from lipwright.speech.path import find_path
 from lipwright.speech.placing import to_alignment
@@ -65,9 +65,9 @@ class SphinxAligner:
         rows = [_spoken_row(word, language, dictionary) for word in words]
         scores = Scores(load_model(), static)
         graph = build_graph(scores.model, [row.model_phones for row in rows])
-        path = find_path(Search(graph, scores, costs), lambda s: report(_HEARD + (1 - _HEARD) * s))
-        judged = Judge(scores, rows, placed_words(graph, path)).judge()
-        return to_alignment(judged, rows, audio)
+        search = Search(graph, scores, costs)
+        path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
+        return to_alignment(Judge(search, path, rows).judge(), rows, audio)
 
 
 def _spoken_row(word: SpokenWord, language: str, dictionary: Dictionary | None) -> SpokenRow:
