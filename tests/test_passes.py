@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -104,9 +104,8 @@ def openness(clip: Clip) -> npt.NDArray[np.float32]:
 
 def middle_of(requirement: Requirement, start: float, end: float, after_pause: bool) -> float:
     """The middle of what is held in full of a phone."""
-    length = min(end - start, requirement.longest)
-    start = end - length if after_pause else start
-    return start + length * sum(requirement.full) / 2
+    times = np.linspace(start - 0.2, end + 0.2, round((end - start + 0.4) * 4000))
+    return float(times[strength(requirement, start, end, times, after_pause) > 1 - 1e-9].mean())
 
 
 def required(phones: PhoneTrack, wanted: tuple[str, ...]) -> list[tuple[int, Requirement, float]]:
@@ -190,6 +189,7 @@ class TestIntensity:
         assert 0.8 < more[2] < 0.9
         assert 0.9 < more[3] < 1
 
+    @example(value=1.0, one=1.0, other=1.1)
     @given(st.floats(0, 1, width=32), st.floats(0, 3), st.floats(0, 3))
     def test_more_never_moves_less_and_never_passes_the_full_range(
         self, value: float, one: float, other: float
@@ -398,8 +398,9 @@ class TestRequirements:
         self, requirement: Requirement, length: float, after_pause: bool, least: float
     ) -> None:
         middle = middle_of(requirement, 1, 1 + length, after_pause)
-        times = np.array([1 - MAX_FADE - 0.051, middle - least / 2 + 1e-9, middle,
-                          middle + least / 2 - 1e-9, 1 + length + MAX_FADE + 0.051])  # fmt: skip
+        reach = max(least / 2 - 1e-3, 0)
+        times = np.array([1 - MAX_FADE - 0.051, middle - reach, middle, middle + reach,
+                          1 + length + MAX_FADE + 0.051])  # fmt: skip
         weights = strength(requirement, 1, 1 + length, times, after_pause, least)
         assert weights == pytest.approx([0, 1, 1, 1, 0], abs=1e-4)
 
@@ -407,15 +408,17 @@ class TestRequirements:
 class TestConsonants:
     @pytest.mark.parametrize("fps", [60.0, 120.0])
     @quick
-    @given(phones=tracks())
+    @given(phones=tracks(shortest=0.04))
     def test_lips_touch_inside_every_bilabial_of_a_mouth_that_is_wide_open(
         self, fps: float, phones: PhoneTrack
     ) -> None:
         clip = consonants()(wide_open(phones, fps), phones)
         gap = openness(clip)
-        for phone, start, end in phones:
+        for before, (phone, start, end) in zip((None, *phones.phones), phones, strict=False):
             if phone in BILABIALS:
-                inside = (clip.times >= start) & (clip.times <= end)
+                # After a pause the lips may have shut before the sound.
+                first = start - 0.05 if before == SILENCE else start
+                inside = (clip.times >= first) & (clip.times <= end)
                 assert gap[inside].min() < 1e-3
 
     @pytest.mark.parametrize("fps", [12.0, 24.0, 29.97, 30.0, 60.0, 240.0])
@@ -450,7 +453,7 @@ class TestConsonants:
         phones = track("sil:0.3 P:0.5 AA:0.3")
         clip = consonants()(wide_open(phones), phones)
         shut = clip.times[openness(clip) < 1e-3]
-        assert 0.7 < shut.min() < shut.max() < 0.8
+        assert 0.65 < shut.min() <= shut.max() < 0.8
 
     @quick
     @given(phones=tracks(shortest=0.05), fps=st.sampled_from([24.0, 30.0, 60.0]))
