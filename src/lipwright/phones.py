@@ -165,8 +165,8 @@ PHONES: Final = MappingProxyType({phone.symbol: phone for phone in _ROWS})
 # pocketsphinx, espeak, MBROLA, FestVox, BAS).
 SILENCE_LABELS: Final = frozenset(
     ("", "sil", "sp", "spn", "<sil>", "<p>", "<p:>", "<eps>", "_", "_:", "_;", "pau", "h#", "#h",
-     "#",      "ssil", "brth", "noise", "nsn", "lau", "{sl}", "{ns}", "-", "...", "epi", "<s>", "</s>",
-     "++noise++", "[noise]", "<unk>", "[spn]", "[sil]")
+     "#", "ssil", "brth", "noise", "nsn", "lau", "{sl}", "{ns}", "-", "...", "epi", "<s>",
+     "</s>", "++noise++", "[noise]", "<unk>", "[spn]", "[sil]")
 )  # fmt: skip
 
 # Other spellings for the same phone: transcribers differ, and British English has a few vowels
@@ -186,7 +186,8 @@ _XSAMPA_ALSO: Final = MappingProxyType({
     "@L": "EL", "I2": "IX", "a#": "AX", "I#": "IX", "0": "AA", "0#": "AX", "VI": "AY", "aa": "AE",
     "@2": "AX", "@5": "AX", "I2#": "IX", "a2": "AX", "eI": "EY", "EI": "EY", "t#": "DX", "t2": "T",
     "l#": "EL", "n-": "EN", "m-": "EM", "l-": "EL", "A@": "AA", "O@": "AO", "o@": "AO", "aI@": "AY",
-    "aI3": "AY", "aU@": "AW", "i@3": "IH", "3r": "ER", "A#": "AA", "o": "AO", "oU#": "OW", "w#": "WH",
+    "aI3": "AY", "aU@": "AW", "i@3": "IH", "3r": "ER", "A#": "AA", "o": "AO", "oU#": "OW",
+    "w#": "WH",
     "h": "HH", "n^": "N", "tS;": "CH", "?": "Q", "d2": "D", "z2": "Z", "D2": "DH", "e2": "EH",
 })  # fmt: skip
 _MARKS: Final = str.maketrans("", "", "ˈˌˑː.‿͜͡'\"%,:;ʰ")  # stress, length, ties, aspiration
