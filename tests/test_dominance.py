@@ -280,7 +280,8 @@ class TestCoarticulation:
             abs(value(clip, name, 0.35) - value(clip, name, 0.45))
             for name in ("jawOpen", "mouthPucker", "mouthFunnel", "mouthStretchLeft")
         ]
-        assert max(moved) > 0.02
+        # "ate" begins and ends with nearly the same lips.
+        assert max(moved) > (0.005 if symbol == "EY" else 0.04)
 
     def test_ow_and_aw_end_less_open_and_oy_ends_less_rounded_than_they_begin(self) -> None:
         for symbol, name in (("OW", "jawOpen"), ("AW", "jawOpen"), ("OY", "mouthFunnel")):

@@ -243,6 +243,11 @@ class TestFalseClosures:
         estimate = shut_at(FINE, [(0.1, 0.4), (2.6, 2.9)])
         assert false_closures(OPEN_VIDEO, estimate, SPEECH) == 0
 
+    def test_it_is_none_where_the_real_lips_close_only_while_the_estimate_is_shut(self) -> None:
+        real = shut_at(VIDEO, [(1.25, 1.35)], 0.02)
+        assert false_closures(real, shut_at(FINE, [(1.2, 1.4)]), SPEECH) == 0
+        assert false_closures(real, shut_at(FINE, [(1.45, 1.55)]), SPEECH) == 1
+
     def test_nearly_shut_is_not_shut(self) -> None:
         for share, count in ((0.09, 1), (0.11, 0)):
             estimate = shut_at(FINE, [(1.3, 1.4)], share * 0.2)

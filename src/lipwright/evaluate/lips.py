@@ -163,7 +163,7 @@ def _runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
 def false_closures(
     reference_aperture: Aperture, estimated_aperture: Aperture, track: PhoneTrack
 ) -> int:
-    """How often, inside speech, the estimate is shut for 30 ms or more while the real lips stay open.
+    """How often, in speech, the estimate is shut for 30 ms or more while real lips stay open.
 
     They stay open if they never come near closing all the while that the estimate is shut.
     """
