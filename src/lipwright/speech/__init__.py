@@ -10,7 +10,7 @@ from lipwright.errors import LipwrightError
 from lipwright.speech.aligner import Aligner, Alignment, Misfit, Progress
 
 if TYPE_CHECKING:
-    from lipwright.audio import AudioFile
+    from lipwright.audio import Sound
     from lipwright.language import Dictionary, SpokenWord
 
 __all__ = ["ALIGNERS", "Aligner", "Alignment", "Misfit", "Progress", "align", "get_aligner"]
@@ -38,7 +38,7 @@ def get_aligner(name: str) -> Aligner:
 
 
 def align(
-    audio: AudioFile,
+    audio: Sound,
     words: Sequence[SpokenWord],
     language: str = "en",
     dictionary: Dictionary | None = None,

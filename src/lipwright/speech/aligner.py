@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
-    from lipwright.audio import AudioFile
+    from lipwright.audio import Sound
     from lipwright.language import Dictionary, SpokenWord
 
 Progress = Callable[[float], None]
@@ -37,7 +37,8 @@ class Alignment:
     """Phones with times, and the words that could not be placed."""
 
     track: PhoneTrack
-    """from 0 to the end of the audio, `sil` where nothing is said; without the misfits"""
+    """from 0 to the end of the audio, `sil` where nothing is said; a misfit is in it, with a low
+    confidence, only where something else is said in its place"""
     misfits: tuple[Misfit, ...] = ()
     """in the order of the transcript"""
 
@@ -57,7 +58,7 @@ class Aligner(Protocol):
 
     def align(
         self,
-        audio: AudioFile,
+        audio: Sound,
         words: Sequence[SpokenWord],
         language: str,
         dictionary: Dictionary | None = None,
