@@ -260,7 +260,7 @@ class TestCoarticulation:
         # "coo" and "key": during the K the lips already show which vowel comes.
         rounded, spread = (animate(track(f"sil:0.3 K {v} sil:0.3"), FPS) for v in ("UW", "IY"))
         middle_of_k = 0.35
-        assert value(rounded, "mouthPucker", middle_of_k) > 0.3
+        assert value(rounded, "mouthPucker", middle_of_k) > 0.2
         assert value(rounded, "mouthPucker", middle_of_k) > 2 * value(
             spread, "mouthPucker", middle_of_k
         )
@@ -292,7 +292,7 @@ class TestCoarticulation:
     def test_the_tongue_rises_in_alveolars_between_vowels(self, symbol: str) -> None:
         clip = animate(track(f"sil AA {symbol} AA sil"), FPS)
         assert value(clip, "tongueRaise", 0.25) > 0.6
-        assert value(clip, "tongueRaise", 0.25) > 2 * value(clip, "tongueRaise", 0.15)
+        assert value(clip, "tongueRaise", 0.25) > 1.5 * value(clip, "tongueRaise", 0.15)
 
 
 class TestComputing:
