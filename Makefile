@@ -13,10 +13,12 @@ BIN := .venv/bin
 
 .venv/.installed: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m compileall -q src
 	@touch $@
 
 .venv/.tested: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(BIN)/python -m compileall -q src
 	@touch $@ .venv/.installed
 
 # A recording and its words become a video, an animated head and a table of curves.

@@ -40,7 +40,10 @@ DIPHTHONGS = tuple(p.symbol for p in PHONES.values() if p.is_diphthong)
 # Aperture that one unit of a control adds on the head, and width that it takes or gives: means of
 # our head and of the ruler head, both over the distance between the eyes.
 APERTURE = {"jawOpen": 0.54, "mouthLowerDown": 0.08, "mouthUpperUp": 0.095}
-WIDTH = {"mouthPucker": -0.142, "mouthFunnel": -0.105, "mouthSmile": 0.217, "mouthStretch": 0.202}
+WIDTH = {
+    "jawOpen": -0.087, "mouthPucker": -0.142, "mouthFunnel": -0.105,
+    "mouthSmile": 0.217, "mouthStretch": 0.202,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,9 @@ RULES: dict[str, Rule] = {
     "Y": Rule(0.6, tongue=(0.2, 0, 0), pull_tongue=1.0),
     "W": Rule(0.9, 0.25, (0, 0, 0.5), 1.0), "WH": Rule(0.9, 0.25, (0, 0, 0.5), 1.0),
 }  # fmt: skip
+
+# Consonants made here leave the lips to the vowels.
+SPREAD_PLACES = ("bilabial", "labiodental", "dental", "alveolar", "palatal", "velar", "glottal")
 
 GLIDES = {"OY": (1.0, 0.9, 0.2, 1.2)}  # second half of a diphthong that GRID lacks, as `measures`
 
@@ -224,14 +230,20 @@ class Fit:
         return float(np.mean(values))
 
 
-def controls(rule: Rule, opening: float, width: float) -> dict[str, float]:
-    """Target controls of a measured opening (1 = 0.2 eye distances) and width (1 = 0.1)."""
+def controls(rule: Rule, opening: float, width: float, rounds: bool) -> dict[str, float]:
+    """Target controls of a measured opening (1 = 0.2 eye distances) and width (1 = 0.1).
+
+    Only phones that round the lips get rounded ones.
+    """
     values = dict.fromkeys(TARGET_COLUMNS, 0.0)
     aperture, wide = 0.2 * opening, 0.1 * width
     share = 1.0 if aperture < 0 else rule.jaw
     values["jawOpen"] = share * aperture / APERTURE["jawOpen"]
     for lip in ("mouthLowerDown", "mouthUpperUp"):
         values[lip] = (1 - share) / 2 * aperture / APERTURE[lip]
+    wide -= WIDTH["jawOpen"] * max(values["jawOpen"], 0)  # an open jaw narrows the mouth by itself
+    if not rounds:
+        wide = max(wide, 0)  # what narrows it then is a rounded neighbour, which pulls for itself
     if wide < 0:
         values["mouthFunnel"] = rule.funnel * wide / WIDTH["mouthFunnel"]
         values["mouthPucker"] = (1 - rule.funnel) * wide / WIDTH["mouthPucker"]
@@ -265,7 +277,8 @@ def table(opening: Fit, width: Fit, open_fit: npt.NDArray[np.float64],
                 source = "fitted"
             else:
                 source = "rule"
-            values = controls(rule, given[0], given[2])
+            rounds = phone.rounded if phone.is_vowel else phone.place not in SPREAD_PLACES
+            values = controls(rule, given[0], given[2], rounds)
             rows.append(
                 {"phone": phone.symbol, "part": str(part), "example": phone.example,
                  "source": source}

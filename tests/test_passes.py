@@ -102,10 +102,10 @@ def openness(clip: Clip) -> npt.NDArray[np.float32]:
     return np.maximum(gap, clip.curve("jawOpen") - SHUT_JAW)
 
 
-def middle_of(requirement: Requirement, start: float, end: float, after_pause: bool) -> float:
+def middle_of(requirement: Requirement, start: float, end: float, pause: float) -> float:
     """The middle of what is held in full of a phone."""
     times = np.linspace(start - 0.2, end + 0.2, round((end - start + 0.4) * 4000))
-    return float(times[strength(requirement, start, end, times, after_pause) > 1 - 1e-9].mean())
+    return float(times[strength(requirement, start, end, times, pause) > 1 - 1e-9].mean())
 
 
 def required(phones: PhoneTrack, wanted: tuple[str, ...]) -> list[tuple[int, Requirement, float]]:
@@ -114,8 +114,9 @@ def required(phones: PhoneTrack, wanted: tuple[str, ...]) -> list[tuple[int, Req
     for index, (phone, start, end) in enumerate(phones):
         for requirement in REQUIREMENTS:
             if phone in wanted and phone in requirement.phones:
-                after_pause = index > 0 and phones.phones[index - 1] == SILENCE
-                found.append((index, requirement, middle_of(requirement, start, end, after_pause)))
+                silent = index > 0 and phones.phones[index - 1] == SILENCE
+                pause = start - phones.edges[index - 1] if silent else 0.0
+                found.append((index, requirement, middle_of(requirement, start, end, pause)))
     return found
 
 
@@ -393,15 +394,15 @@ class TestRequirements:
         assert list(REQUIREMENTS[-len(shut) :]) == shut
         assert SHUT["jawOpen"] == SHUT["mouthClose"]
 
-    @given(st.sampled_from(REQUIREMENTS), st.floats(0.02, 3), st.booleans(), st.floats(0, 0.1))
+    @given(st.sampled_from(REQUIREMENTS), st.floats(0.02, 3), st.floats(0, 1), st.floats(0, 0.1))
     def test_strength_is_a_share_in_full_around_the_middle_and_gone_outside(
-        self, requirement: Requirement, length: float, after_pause: bool, least: float
+        self, requirement: Requirement, length: float, pause: float, least: float
     ) -> None:
-        middle = middle_of(requirement, 1, 1 + length, after_pause)
+        middle = middle_of(requirement, 1, 1 + length, pause)
         reach = max(least / 2 - 1e-3, 0)
         times = np.array([1 - MAX_FADE - 0.051, middle - reach, middle, middle + reach,
                           1 + length + MAX_FADE + 0.051])  # fmt: skip
-        weights = strength(requirement, 1, 1 + length, times, after_pause, least)
+        weights = strength(requirement, 1, 1 + length, times, pause, least)
         assert weights == pytest.approx([0, 1, 1, 1, 0], abs=1e-4)
 
 

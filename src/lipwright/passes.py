@@ -203,7 +203,8 @@ class Requirement:
     longest: float = 1.0
     """s; of a longer phone only so much counts: its beginning, or its end after a pause"""
     early: float = 0.0
-    """s by which it comes earlier after a pause, where the lips part before the sound"""
+    """s by which it comes earlier after a pause, where the lips part before the sound; at most
+    the length of the pause"""
 
 
 MAX_FADE = 0.09  # s; a long phone, as after a pause, is not closed earlier than a short one
@@ -246,15 +247,15 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
 
 def strength(
     requirement: Requirement, start: float, end: float, times: Floats,
-    after_pause: bool = False, least: float = 0.0,
+    pause: float = 0.0, least: float = 0.0,
 ) -> Floats:  # fmt: skip
     """(T,), how far a requirement holds for a phone from `start` to `end` s; 0 to 1.
 
-    It holds in full for at least `least` s around the middle of its full strength.
+    `pause` is the length in s of the silence before the phone. The requirement holds in full for at least `least` s around the middle of its full strength.
     """
     length = min(end - start, requirement.longest)
-    if after_pause:
-        start = end - length - requirement.early
+    if pause > 0:
+        start = end - length - min(requirement.early, pause)
     fade_in = min(requirement.fade_in * length, MAX_FADE)
     fade_out = min(requirement.fade_out * length, MAX_FADE)
     first, last = (start + share * length for share in requirement.full)
@@ -295,8 +296,9 @@ def consonants(requirements: Sequence[Requirement] = REQUIREMENTS) -> Pass:
             start, end = track.edges[index], track.edges[index + 1]
             reach = MAX_FADE + frame
             first, stop = np.searchsorted(times, (start - reach, end + reach))
-            after_pause = index > 0 and track.phones[index - 1] == SILENCE
-            weight = strength(requirement, start, end, times[first:stop], after_pause, frame)
+            silent = index > 0 and track.phones[index - 1] == SILENCE
+            pause = start - track.edges[index - 1] if silent else 0.0
+            weight = strength(requirement, start, end, times[first:stop], pause, frame)
             for control, (mode, value) in requirement.controls.items():
                 for name in _sides(control):
                     if name in clip.names:
