@@ -6,8 +6,6 @@ python examples/04_contact_sheet.py [PICTURE.png]
 import sys
 from pathlib import Path
 
-import numpy as np
-
 import lipwright
 from lipwright.face.head import load_head
 from lipwright.face.render import render_contact_sheet
@@ -17,13 +15,9 @@ picture = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("demo/sheet.png")
 picture.parent.mkdir(exist_ok=True)
 
 result = lipwright.animate(here / "hello.flac", text=(here / "hello.txt").read_text("utf-8"))
-# One frame in each phone of "I am a face made of numbers".
-words = result.track.words[1:8]
-indices = range(words[0].first, words[-1].stop)
+shown = ["OW", "AY", "M", "F", "EY", "V"]
 middles = (result.track.edges[:-1] + result.track.edges[1:]) / 2
-chosen = np.linspace(indices.start, indices.stop - 1, 12).round().astype(int)
-poses = [
-    dict(zip(result.clip.names, frame, strict=True)) for frame in result.clip.at(middles[chosen])
-]
+frames = result.clip.at([middles[result.track.phones.index(phone)] for phone in shown])
+poses = [dict(zip(result.clip.names, frame, strict=True)) for frame in frames]
 render_contact_sheet(load_head(), poses, picture, columns=6, size=240)
-print(f"{picture}: {', '.join(result.track.phones[i] for i in chosen)}")
+print(f"{picture}: {', '.join(shown)}")

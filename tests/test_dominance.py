@@ -260,7 +260,8 @@ class TestCoarticulation:
         # "coo" and "key": during the K the lips already show which vowel comes.
         rounded, spread = (animate(track(f"sil:0.3 K {v} sil:0.3"), FPS) for v in ("UW", "IY"))
         middle_of_k = 0.35
-        assert value(rounded, "mouthPucker", middle_of_k) > 0.2
+        in_the_vowel = max(value(rounded, "mouthPucker", at) for at in (0.4, 0.45, 0.5))
+        assert value(rounded, "mouthPucker", middle_of_k) > 0.25 * in_the_vowel
         assert value(rounded, "mouthPucker", middle_of_k) > 2 * value(
             spread, "mouthPucker", middle_of_k
         )

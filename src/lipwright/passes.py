@@ -251,7 +251,8 @@ def strength(
 ) -> Floats:  # fmt: skip
     """(T,), how far a requirement holds for a phone from `start` to `end` s; 0 to 1.
 
-    `pause` is the length in s of the silence before the phone. The requirement holds in full for at least `least` s around the middle of its full strength.
+    `pause` is the length in s of the silence before the phone. The requirement holds in full for
+    at least `least` s around the middle of its full strength.
     """
     length = min(end - start, requirement.longest)
     if pause > 0:

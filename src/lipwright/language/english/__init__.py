@@ -16,6 +16,7 @@ from lipwright.language.english.pronounce import (
     split_clitic,
     with_ending,
 )
+from lipwright.language.english.tables import ALSO_SAID
 from lipwright.language.english.text import Reader
 from lipwright.language.lexicon import Lexicon
 
@@ -58,7 +59,12 @@ class English:
         if ending and dictionary and base in dictionary:
             return self._with_ending(base, ending, dictionary)
         if ways := self.lexicon.lookup(word):
-            return tuple(Pronunciation(way, "lexicon") for way in ways)
+            also = tuple(tuple(way.split()) for way in ALSO_SAID.get(word, ()))
+            fresh = tuple(way for way in also if way not in ways)
+            return tuple(
+                [Pronunciation(way, "lexicon") for way in ways]
+                + [Pronunciation(way, "rule") for way in fresh]
+            )
         if ending:
             return self._with_ending(base, ending, dictionary)
         if ways := by_ending(word, lambda base: self._known(base, dictionary)):

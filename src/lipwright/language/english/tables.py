@@ -130,3 +130,13 @@ LETTERS: Final = str.maketrans({
     "ħ": "h", "Ħ": "H",
 })  # fmt: skip
 """Latin letters of other languages that have no accent to take off, in English spelling"""
+
+ALSO_SAID: Final = MappingProxyType({
+    # letters, as the British say them
+    "z": ("Z EH D",), "r": ("AA",), "h": ("HH EY CH",),
+    # words that are mostly said weakly; Wells, "Longman Pronunciation Dictionary", weak forms
+    "at": ("AH T",), "with": ("W AH DH", "W AH TH", "W IH"), "and": ("AH N",), "of": ("AH",),
+    "to": ("T AH",), "for": ("F AH",), "from": ("F R AH M",), "have": ("AH V",), "can": ("K AH N",),
+    "was": ("W AH Z",), "them": ("AH M",), "that": ("DH AH T",), "you": ("Y AH",),
+})  # fmt: skip
+"""ways to say a word of the lexicon that it lacks"""

@@ -1,0 +1,99 @@
+"""The whole way on real recordings, measured against real lips.
+
+Six sentences of GRID are tracked, aligned and animated; bench/lips.py does the same for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lipwright.face.head import Head
+
+ROOT = Path(__file__).resolve().parents[1]
+CORPORA = ROOT.parent / "shared" / "corpora"
+
+pytestmark = pytest.mark.skipif(
+    not (CORPORA / "grid-s1").is_dir(), reason="the GRID recordings are not beside the checkout"
+)
+
+
+@pytest.fixture(scope="module")
+def bench(head: Head, monkeypatch_module: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The benchmark's modules and its two rulers."""
+    pytest.importorskip("mediapipe", reason="the face tracker is not installed")
+    monkeypatch_module.syspath_prepend(str(ROOT / "bench"))
+    import grid
+    import heads
+    import lips
+
+    del head  # installed by the fixture; the ruler loads it
+    return {"grid": grid, "lips": lips, "rulers": heads.rulers(CORPORA)}
+
+
+@pytest.fixture(scope="module")
+def monkeypatch_module() -> Iterator[pytest.MonkeyPatch]:
+    """`monkeypatch` for a module."""
+    with pytest.MonkeyPatch.context() as patch:
+        yield patch
+
+
+@pytest.fixture(scope="module")
+def figures(bench: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Head to pooled figures of six test sentences, aligned and tracked anew."""
+    from lipwright.evaluate.lips import pool
+
+    grid, lips, rulers = bench["grid"], bench["lips"], bench["rulers"]
+    grid.CACHE = tmp_path_factory.mktemp("cache")
+    animate = lips.ours("dominance")
+    scores: dict[str, list[Any]] = {name: [] for name in rulers}
+    for sentence in grid.sentences("test", CORPORA)[:6]:
+        track = sentence.align()
+        for name, score in lips.score(sentence, track, animate(track), rulers).items():
+            scores[name].append(score)
+    return {name: pool(values) for name, values in scores.items()}
+
+
+def test_the_animated_lips_follow_the_real_ones_on_both_heads(figures: dict[str, Any]) -> None:
+    for pooled in figures.values():
+        assert pooled["r"] > 0.65
+        assert pooled["silence"] < 0.05
+
+
+def test_real_closures_are_made_and_few_are_false(figures: dict[str, Any]) -> None:
+    for pooled in figures.values():
+        assert pooled["closures"] >= 0.97
+        assert pooled["false_closures_per_s"] < 0.2  # one in the six sentences at most
+
+
+def test_the_tracker_finds_the_face_in_every_frame(bench: dict[str, Any]) -> None:
+    sentence = bench["grid"].sentences("test", CORPORA)[0]
+    assert sentence.landmarks.shape[1:] == (478, 3)
+    assert not np.isnan(sentence.landmarks).any()
+    assert 0 < np.nanmin(sentence.aperture.values) < 0.02 < sentence.aperture.loud < 0.5
+
+
+def test_a_video_without_a_picture_or_that_is_none_is_refused(tmp_path: Path) -> None:
+    from lipwright.capture.tracker import read_frames
+    from lipwright.errors import LipwrightError
+
+    (tmp_path / "note.mp4").write_text("no video")
+    for path in (tmp_path / "note.mp4", tmp_path / "missing.mp4", ROOT / "examples/hello.flac"):
+        with pytest.raises(LipwrightError, match=path.name):
+            read_frames(path)
+
+
+def test_every_kind_of_sentence_aligns_without_losing_a_word(bench: dict[str, Any]) -> None:
+    from lipwright.pipeline import align_speech
+
+    lost = 0
+    chosen = bench["grid"].sentences("validation", CORPORA)[:20]
+    for sentence in chosen:
+        alignment = align_speech(sentence.audio, sentence.text)
+        assert alignment.track.end == pytest.approx(3, abs=0.1)
+        lost += 6 - len(alignment.track.words)
+    assert lost <= 1
