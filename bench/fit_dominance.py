@@ -110,6 +110,11 @@ RULES: dict[str, Rule] = {
 # Consonants made here leave the lips to the vowels.
 SPREAD_PLACES = ("bilabial", "labiodental", "dental", "alveolar", "palatal", "velar", "glottal")
 
+# Consonants whose lips nearly shut; a tongue alone does not close the mouth, whatever a fit to
+# neighbours that do suggests.
+NARROW_PLACES = ("bilabial", "labiodental", "dental", "labiovelar")
+LEAST_OPENING = 0.25  # 1 is wide open
+
 GLIDES = {"OY": (1.0, 0.9, 0.2, 1.2)}  # second half of a diphthong that GRID lacks, as `measures`
 
 
@@ -278,7 +283,9 @@ def table(opening: Fit, width: Fit, open_fit: npt.NDArray[np.float64],
             else:
                 source = "rule"
             rounds = phone.rounded if phone.is_vowel else phone.place not in SPREAD_PLACES
-            values = controls(rule, given[0], given[2], rounds)
+            narrow = phone.is_silence or phone.rounded or phone.place in NARROW_PLACES
+            open_at = given[0] if narrow else max(given[0], LEAST_OPENING)
+            values = controls(rule, open_at, given[2], rounds)
             rows.append(
                 {"phone": phone.symbol, "part": str(part), "example": phone.example,
                  "source": source}
