@@ -30,6 +30,9 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:  # noqa: PLR0911  # one way out a kind of end
     """Run the command line on `arguments`; the exit status."""
+    # Our matrices are small: a second thread of OpenBLAS costs more than it gives.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
     import click
 
     from lipwright.cli.app import app
