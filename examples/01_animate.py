@@ -1,4 +1,4 @@
-"""A recording and its words become curves and an animated head."""
+"""A recording and its words become curves, as JSON and as a table."""
 
 from pathlib import Path
 

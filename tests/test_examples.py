@@ -15,6 +15,17 @@ ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9]*.py"))
 
 
+def tracked_files() -> list[str]:
+    """The files of the repository, below its root; those too that are about to be added."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT, capture_output=True, check=False,
+    )  # fmt: skip
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    return [name for name in listed.stdout.decode().splitlines() if (ROOT / name).is_file()]
+
+
 @pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_and_prints_something(script: Path, tmp_path: Path, head: Head) -> None:
     del head
@@ -25,12 +36,41 @@ def test_an_example_runs_and_prints_something(script: Path, tmp_path: Path, head
     assert run.stdout.strip()
 
 
-def test_the_file_map_names_every_module_and_folder() -> None:
+def mapped_files() -> set[str]:
+    """The paths in the README's file map: two spaces below a folder, or at the margin."""
     readme = (ROOT / "README.md").read_text("utf-8")
-    for path in sorted((ROOT / "src" / "lipwright").iterdir()):
-        if path.name.startswith("_") or path.suffix not in ("", ".py") or path.name == "version.py":
-            continue
-        assert f"{path.name}" in readme, f"the README's file map lacks {path.name}"
+    block = readme.partition("## File map")[2].split("```")[1]
+    paths: set[str] = set()
+    folders: list[str] = []
+    for line in block.strip("\n").split("\n"):
+        name, about = line.split(maxsplit=1)
+        assert about, line
+        depth = (len(line) - len(line.lstrip())) // 2
+        folders = folders[:depth]
+        if name.endswith("/"):
+            folders.append(name)
+        else:
+            path = "".join(folders) + name
+            assert path not in paths, f"{path} stands twice"
+            paths.add(path)
+    return paths
+
+
+def test_the_file_map_has_one_line_for_each_file() -> None:
+    files = set(tracked_files())
+    assert files - mapped_files() == set(), "the README's file map lacks files"
+    assert mapped_files() - files == set(), "the README's file map has files that are gone"
+
+
+def test_the_five_lines_of_python_run_as_written(tmp_path: Path, head: Head) -> None:
+    del head
+    readme = (ROOT / "README.md").read_text("utf-8")
+    block = readme.partition("```python\n")[2].partition("```")[0]
+    assert len(block.splitlines()) == 5
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "hello.glb").stat().st_size > 0
+    assert (tmp_path / "hello.csv").stat().st_size > 0
 
 
 def test_links_in_the_documents_lead_somewhere() -> None:
@@ -46,17 +86,11 @@ def test_the_readme_begins_with_a_picture() -> None:
 
 
 def test_nothing_of_a_machine_is_written_down() -> None:
-    listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT, capture_output=True, check=False,
-    )  # fmt: skip
-    if listed.returncode:
-        pytest.skip("not a git checkout")
     # Put together here, so that this file does not hold what it looks for.
     paths = ["/" + "root/", "/" + "work/", "/" + "home/", "pypi" + ".org", "python" + "hosted"]
-    for name in listed.stdout.decode().split("\n"):
+    for name in tracked_files():
         path = ROOT / name
-        if path.suffix in (".py", ".md", ".toml", ".json", ".csv", "") and path.is_file():
+        if path.suffix in (".py", ".md", ".toml", ".json", ".csv", ""):
             text = path.read_text("utf-8", errors="replace")
             for needle in paths:
                 assert needle not in text, f"{name} holds {needle}"
