@@ -73,7 +73,7 @@ def read_frames(path: str | os.PathLike[str]) -> tuple[Fraction, Iterator[npt.ND
     try:
         container = av.open(os.fspath(path))
         stream = container.streams.video[0]
-    except (OSError, IndexError) as error:
+    except (OSError, IndexError, av.FFmpegError) as error:
         raise LipwrightError(f"{path}: not a video that can be read ({error})") from error
     fps = stream.average_rate or Fraction(25)
 

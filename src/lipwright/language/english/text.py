@@ -197,9 +197,10 @@ class Reader:
     def _word(self, run: str) -> list[str]:
         """Letters, perhaps with apostrophes, as words."""
         lower = run.lower()
-        words, where = tables.ABBREVIATIONS.get(lower, ("", "dot"))
-        if where == "anywhere":
-            return words.split()
+        for word in (lower, lower.strip("'")):
+            words, where = tables.ABBREVIATIONS.get(word, ("", "dot"))
+            if where == "anywhere":
+                return words.split()
         if lower in tables.LONE_UNITS:
             return tables.UNITS[lower][1].split()
         for word in (lower, lower.rstrip("'"), lower.lstrip("'"), lower.strip("'")):
