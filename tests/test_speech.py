@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lipwright.audio import Audio, open_audio
+from lipwright.audio import Audio, level_db, open_audio
 from lipwright.errors import LipwrightError
 from lipwright.language import SpokenWord, get_language
 from lipwright.speech import ALIGNERS, Alignment, align, get_aligner
@@ -18,7 +18,7 @@ from lipwright.speech.fit import confidence, noise_allowance
 from lipwright.speech.graph import ANY_SPEECH, HUB, build_graph
 from lipwright.speech.scores import Scores
 from lipwright.speech.search import STRICT, Search
-from lipwright.speech.silence import level_contour, speech_spans
+from lipwright.speech.silence import speech_frames
 
 RATE = 16000
 CORPORA = Path(__file__).parents[2] / "shared" / "corpora"
@@ -188,14 +188,15 @@ def test_noise_allowance_is_bounded_and_never_a_penalty(scores):
 
 
 @given(st.integers(-60, -10), st.floats(0.3, 2.0))
-def test_speech_spans_follow_the_noise_floor(floor, length):
+def test_speech_is_what_rises_over_the_noise_floor(floor, length):
     rng = np.random.default_rng(4)
     quiet = rng.standard_normal(4 * RATE) * 10 ** (floor / 20) * 0.01
     start, stop = RATE, RATE + int(length * RATE)
     quiet[start:stop] += rng.standard_normal(stop - start) * 10 ** (floor / 20)
-    spans_found = speech_spans(level_contour(quiet, RATE))
-    assert len(spans_found) == 1
-    np.testing.assert_allclose(spans_found[0], (1 - 0.25, 1 + length + 0.25), atol=0.02)
+    active = speech_frames(level_db(Audio(quiet, RATE)))
+    changes = np.flatnonzero(np.diff(active)) + 1
+    assert len(changes) == 2
+    np.testing.assert_allclose(changes / 100, (1 - 0.25, 1 + length + 0.25), atol=0.02)
 
 
 # --- alignment --------------------------------------------------------------------------------

@@ -26,7 +26,6 @@ from lipwright.files import write_whole
 Samples = npt.NDArray[np.float32]
 Resampler = Callable[[Samples, bool], Samples]
 
-SILENT_PEAK: Final = -60.0  # dBFS, below the noise of any recording of speech
 LEVEL_FLOOR: Final = -120.0  # dBFS, what level_db gives for digital silence
 _IN_MEMORY: Final = 16 << 20  # bytes of decoded sound before it goes to disk: 4 minutes at 16 kHz
 _CANCELLED: Final = 1e-3  # energy of the mean over that of the loudest channel: -30 dB
@@ -309,12 +308,6 @@ def write_wav(path: str | os.PathLike[str], sound: Sound) -> None:
                     wav.write(block.samples)
         except soundfile.LibsndfileError as error:
             raise OSError(errno.EIO, str(error)) from error
-
-
-def is_silent(sound: Sound) -> bool:
-    """Whether no sample is louder than `SILENT_PEAK`."""
-    limit = 10 ** (SILENT_PEAK / 20)
-    return all(np.abs(block.samples).max(initial=0) <= limit for block in sound.blocks())
 
 
 def level_db(sound: Sound, step: float = 0.01) -> Samples:

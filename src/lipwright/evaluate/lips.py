@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 from lipwright.track import PhoneTrack
 
-Curve = npt.NDArray[np.floating]
-
 BILABIALS = frozenset(("P", "B", "M", "EM"))
 
 LOUD_PERCENTILE = 95  # the opening that a recording's shares are taken of

@@ -25,7 +25,6 @@ from lipwright.speech.features import N_CEPSTRA
 Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 
-N_STATES: Final = 3  # emitting states of a phone
 N_DENSITIES: Final = 128  # Gaussians of a codebook
 PAUSE: Final = "SIL"
 NOISE: Final = "+NSN+"  # breath, smacks, knocks
@@ -147,9 +146,9 @@ def _read_s3(path: Path) -> tuple[tuple[int, ...], Floats]:
 def _read_gaussians(folder: Path) -> tuple[Floats, ...]:
     shape, means = _read_s3(folder / "means")
     _, variances = _read_s3(folder / "variances")
-    if shape != (shape[0], 3, 128, 13, 13, 13):
+    if shape != (shape[0], 3, N_DENSITIES, N_CEPSTRA, N_CEPSTRA, N_CEPSTRA):
         raise ValueError(f"unexpected shape {shape}")
-    mean = means.reshape(shape[0], 3, 128, 13).astype(np.float64)
+    mean = means.reshape(shape[0], 3, N_DENSITIES, N_CEPSTRA).astype(np.float64)
     variance = np.maximum(variances.reshape(mean.shape), _VARIANCE_FLOOR).astype(np.float64)
     constant = -0.5 * (np.log(2 * np.pi * variance) + mean**2 / variance).sum(-1, keepdims=True)
     table = np.concatenate([mean / variance, -0.5 / variance, constant], axis=-1)
@@ -172,7 +171,7 @@ def _read_weights(folder: Path, n_senones: int) -> npt.NDArray[np.uint8]:
             file.seek(length, 1)
         n_densities, count = struct.unpack("<2i", file.read(8))
         start = file.tell()
-    if (n_densities, count) != (128, n_senones):
+    if (n_densities, count) != (N_DENSITIES, n_senones):
         raise ValueError(f"unexpected shape {(n_densities, count)}")
     table = np.fromfile(path, np.uint8, 3 * n_densities * n_senones, offset=start)
     return np.ascontiguousarray(table.reshape(3, n_densities, n_senones).transpose(0, 2, 1))

@@ -27,7 +27,6 @@ FRAME_RATE: Final = RATE / HOP  # frames a second
 WINDOW: Final = 410  # samples, wlen 0.025625 s
 N_FILTERS: Final = 25
 N_CEPSTRA: Final = 13
-N_FEATURES: Final = 3 * N_CEPSTRA
 
 FRAME_CENTRE: Final = WINDOW / 2 / RATE  # s, the time that frame 0 tells about
 

@@ -1,4 +1,4 @@
-"""Where somebody may be speaking: spans that rise over the noise floor of the recording."""
+"""Where somebody may be speaking: what rises over the noise floor of the recording."""
 
 from __future__ import annotations
 
@@ -16,17 +16,6 @@ _SPEECH_SHARE: Final = 0.8  # quantile of those
 _RISE: Final = 0.25  # share of the way from floor to speech, in dB, at which speech begins
 _LEAST_RISE: Final = 6.0  # dB, at least so much over the floor
 MARGIN: Final = 0.25  # s around speech: weak beginnings and ends
-_LEAST_PAUSE: Final = 0.2  # s between two spans
-
-
-def level_contour(samples: npt.NDArray[np.floating], rate: int, fps: float = 100.0) -> Doubles:
-    """(T,) root mean square level in dB of full scale of each 1 / fps s, at least -120."""
-    hop = rate / fps
-    edges = np.round(np.arange(int(np.ceil(len(samples) / hop)) + 1) * hop).astype(int)
-    edges = np.minimum(edges, len(samples))
-    total = np.concatenate([[0.0], np.cumsum(np.square(samples, dtype=np.float64))])
-    power = (total[edges[1:]] - total[edges[:-1]]) / np.maximum(np.diff(edges), 1)
-    return np.asarray(10 * np.log10(np.maximum(power, 1e-12)))
 
 
 def speech_level(levels: Doubles) -> float:
@@ -54,18 +43,3 @@ def speech_frames(
     marks = np.pad((levels > threshold).astype(np.int64), reach)
     total = np.concatenate([[0], np.cumsum(marks)])
     return np.asarray(total[2 * reach + 1 :] - total[: -2 * reach - 1] > 0)
-
-
-def speech_spans(
-    levels: npt.ArrayLike, fps: float = 100.0, least_pause: float = _LEAST_PAUSE
-) -> list[tuple[float, float]]:
-    """Start and end in s of each span that may hold speech, at least `least_pause` s apart."""
-    active = speech_frames(levels, fps)
-    steps = np.flatnonzero(np.diff(np.concatenate([[0], active.astype(np.int8), [0]])))
-    spans: list[tuple[float, float]] = []
-    for start, stop in zip(steps[::2] / fps, steps[1::2] / fps, strict=True):
-        if spans and start - spans[-1][1] < least_pause:
-            spans[-1] = spans[-1][0], float(stop)
-        else:
-            spans.append((float(start), float(stop)))
-    return spans
