@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
 
+from lipwright.cli.app import app
 from lipwright.face.head import Head
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -71,6 +75,33 @@ def test_the_five_lines_of_python_run_as_written(tmp_path: Path, head: Head) -> 
     subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "hello.glb").stat().st_size > 0
     assert (tmp_path / "hello.csv").stat().st_size > 0
+
+
+def commands(group: click.Group, path: str = "lipwright") -> Iterator[tuple[str, click.Command]]:
+    for name, command in group.commands.items():
+        if isinstance(command, click.Group):
+            yield from commands(command, f"{path} {name}")
+        else:
+            yield f"{path} {name}", command
+
+
+@pytest.mark.parametrize(("path", "command"), [pytest.param(*c, id=c[0]) for c in commands(app)])
+def test_the_help_ends_in_an_example_with_what_it_really_prints(
+    path: str, command: click.Command, tmp_path: Path, head: Head
+) -> None:
+    del head
+    assert command.epilog
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    _, line, *shown = command.epilog.split("\b\n")[1].splitlines()
+    assert line.strip().startswith(path)
+    assert shown
+    run = subprocess.run(
+        [sys.executable, "-m", *shlex.split(line)],
+        cwd=tmp_path, capture_output=True, check=True, text=True,
+    )  # fmt: skip
+    printed = (run.stdout + run.stderr).splitlines()
+    # The list of parts is wider where one is missing.
+    assert [row.split() for row in shown] == [row.split() for row in printed[: len(shown)]]
 
 
 def test_links_in_the_documents_lead_somewhere() -> None:

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 ANIMATE_EXAMPLES = """\b
 Examples:
-  lipwright animate hello.wav --text "Hello, how are you?" -o hello.mp4
-    hello.mp4: 2.1 s, 31 phones, 5 words
+  lipwright animate examples/hello.flac --text examples/hello.txt -o hello.csv -o hello.glb
+    hello.csv: 9.3 s, 82 phones, 26 words
+    hello.glb: 9.3 s, 82 phones, 26 words
 \b
   lipwright animate talk.mp3 --text talk.txt -o talk.csv -o talk.glb
   lipwright animate talk.mp3 --phones talk.TextGrid -o talk.livelink.csv --fps 30
@@ -34,8 +35,8 @@ Examples:
 
 ALIGN_EXAMPLES = """\b
 Examples:
-  lipwright align hello.wav --text "Hello, how are you?" -o hello.TextGrid
-    hello.TextGrid: 2.1 s, 31 phones, 5 words
+  lipwright align examples/hello.flac --text examples/hello.txt -o hello.TextGrid
+    hello.TextGrid: 9.3 s, 82 phones, 26 words
 \b
   lipwright align talk.mp3 --text talk.txt --dictionary names.dict -o talk.TextGrid
   lipwright align talk.wav --text talk.txt -o - --format ctm

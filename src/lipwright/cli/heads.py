@@ -11,8 +11,15 @@ from lipwright.errors import LipwrightError
 
 INSTALL_EXAMPLES = """\b
 Example:
-  lipwright head install
-    the head is installed: 5138 vertices, 55 controls
+  lipwright head install --if-missing
+    the head is installed: 7093 vertices, 55 controls
+"""
+INFO_EXAMPLES = """\b
+Example:
+  lipwright head info
+    vertices: 7093
+    triangles: 12468
+    blendshapes: 55
 """
 SHOW_EXAMPLES = """\b
 Example:
@@ -32,7 +39,7 @@ def is_installed() -> bool:
     return True
 
 
-@click.group()
+@click.group(epilog="Each command has examples: lipwright head COMMAND --help")
 def head() -> None:
     """Install, describe and look at the head that is animated."""
 
@@ -52,7 +59,7 @@ def install(wheel: Path | None, if_missing: bool) -> None:
     say(f"the head is installed: {len(found.vertices)} vertices, {len(CANONICAL)} controls")
 
 
-@head.command()
+@head.command(epilog=INFO_EXAMPLES)
 def info() -> None:
     """Say what the installed head is made of."""
     from lipwright.face.head import load_head

@@ -15,13 +15,25 @@ from lipwright.cli.heads import is_installed
 PHONES_EXAMPLES = """\b
 Example:
   lipwright phones
-    phone  IPA  X-SAMPA  example  common  made
-    AA     ɑ    A        fAther   aa      vowel, low, back
+    phone  IPA  X-SAMPA  example            common  made
+    sil                  (silence)                  silence
+    AA     ɑ    A        fAther             aa      vowel, low, back
 """
-FORMATS_EXAMPLES = "\b\nExample:\n  lipwright formats"
-DOCTOR_EXAMPLES = (
-    "\b\nExample:\n  lipwright doctor\n    ok       aligner      forced alignment of English"
-)
+FORMATS_EXAMPLES = """\b
+Example:
+  lipwright formats
+    recordings:
+      *                wav, flac, mp3, ogg, opus, m4a, and the sound of mp4, mov, mkv, webm
+    phone tracks:
+      .textgrid        Praat TextGrid, text form
+"""
+DOCTOR_EXAMPLES = """\b
+Example:
+  lipwright doctor
+    ok  sound          reads wav, flac, mp3, ogg
+    ok  video          reads m4a and video sound, writes MP4
+    ok  aligner        forced alignment of English
+"""
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")
 
