@@ -59,7 +59,7 @@ def check_controls(path: Path, clip: Clip, head: Head) -> None:
     """
     if not set(clip.names) & set(head.shape_names):
         raise LipwrightError(
-            f"{path}: the curves have none of the head's controls ('lipwright head' lists them); "
+            f"{path}: the curves have none of the head's controls (ARKit's, such as jawOpen); "
             "retarget them to the ARKit rig or export another format"
         )
 
