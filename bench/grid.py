@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from lipwright.evaluate.lips import Aperture, video_times
 from lipwright.track import PhoneTrack
+
+if TYPE_CHECKING:
+    from lipwright.capture.tracker import Tracker
 
 CORPORA = Path(__file__).resolve().parents[2] / "shared" / "corpora"
 CACHE = Path(__file__).resolve().parent / "cache"
@@ -115,15 +119,11 @@ class Sentence:
         return align_speech(self.audio, self.text).track
 
 
-_TRACKERS: list[object] = []
-
-
-def _tracker():  # type: ignore[no-untyped-def]
+@cache
+def _tracker() -> Tracker:
     from lipwright.capture.tracker import Tracker
 
-    if not _TRACKERS:
-        _TRACKERS.append(Tracker())
-    return _TRACKERS[0]
+    return Tracker()
 
 
 def split_order(name: str) -> str:

@@ -18,11 +18,12 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from grid import CORPORA, Sentence, sentences
-from heads import rulers
+from heads import Ruler, rulers
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
@@ -55,7 +56,7 @@ def openfacefx(track: PhoneTrack) -> Clip:
         return read_openfacefx(json.loads(out.read_text()), track.end)
 
 
-def read_openfacefx(data: dict, duration: float) -> Clip:  # type: ignore[type-arg]
+def read_openfacefx(data: dict[str, Any], duration: float) -> Clip:
     """Its JSON track: channels of keys, linear between them."""
     from lipwright.clip import frame_times
 
@@ -77,7 +78,9 @@ def animator(name: str) -> Animator:
     return ANIMATORS[name]() if name in ANIMATORS else ours(name)
 
 
-def score(sentence: Sentence, track: PhoneTrack, clip: Clip, heads: dict) -> dict[str, LipScore]:  # type: ignore[type-arg]
+def score(
+    sentence: Sentence, track: PhoneTrack, clip: Clip, heads: dict[str, Ruler]
+) -> dict[str, LipScore]:
     """Head to figures."""
     reference = sentence.aperture
     return {
