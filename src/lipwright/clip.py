@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-MAX_FPS = 1000.0
+MAX_FPS = 1000.0  # frames a second; more is a slip of the pen
 
 
 def frame_times(duration: float, fps: float) -> npt.NDArray[np.float64]:
-    """The times in s of the frames that cover `duration` s; the last is at or after its end.
+    """(T,) s, the times of the frames that cover `duration` s; the last is at or after its end.
 
     Raises:
         ValueError: the duration is negative or endless, or fps is not above 0 and at most 1000.

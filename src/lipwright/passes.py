@@ -30,7 +30,7 @@ Pass = Callable[[Clip, PhoneTrack], Clip]
 
 MAX_INTENSITY = 3.0
 CEILING_KNEE = 0.8  # where a scaled control begins to bend towards its full range
-SPEED_LIMIT = 15.0  # a second, full ranges; Xu et al. 2013, section 2.2.5
+SPEED_LIMIT = 15.0  # a second, full ranges; Xu et al. 2013, section 2.2.3
 SMOOTHING = 0.012  # s, standard deviation; removes corners, keeps an 80 ms closure
 SPEECH_LEAD = 0.12  # s before the first sound in which the mouth begins to open
 SPEECH_TAIL = 0.16  # s after the last sound by which it is shut
@@ -62,7 +62,10 @@ _EASE = _ease_table(0.5, 0.5)
 
 
 def ease(x: npt.ArrayLike) -> Floats:
-    """The thesis's cubic Bezier from (0, 0) to (1, 1), flat at both ends (section 4.6.5)."""
+    """The cubic Bezier curve of the 2018 thesis (section 4.6.5), flat at both ends.
+
+    Values of the shape of `x`, from 0 (for x at or below 0) to 1 (for x at or above 1).
+    """
     return np.interp(np.asarray(x, np.float64), *_EASE)
 
 
@@ -219,7 +222,7 @@ SHUT: Final[Mapping[str, tuple[Mode, float]]] = MappingProxyType({
 })  # fmt: skip
 
 # In the order in which they are laid on: where two meet, the later wins, as lips must close even
-# between rounded vowels (the order of priorities in Xu et al. 2013, section 2.2.4).
+# between rounded vowels (the order of priorities in Xu et al. 2013, section 2.2.2).
 REQUIREMENTS: Final[tuple[Requirement, ...]] = (
     Requirement(("T", "D", "N", "EN", "DX", "NX"), "Ten",
                 {"tongueRaise": ("at_least", 0.95)}),

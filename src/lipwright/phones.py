@@ -42,7 +42,9 @@ class Phone:
     symbol: str
     """ARPABET, or `sil`"""
     ipa: str
+    """its usual IPA letters; empty for silence"""
     xsampa: str
+    """the same in X-SAMPA"""
     example: str
     """a word with the phone's letters in capitals"""
     common: str

@@ -21,12 +21,20 @@ RIGS: Final = ("arkit",)
 
 @dataclass(frozen=True)
 class Control:
-    """One thing that a character lets us move."""
+    """One thing that a character lets us move.
+
+    Raises:
+        ValueError: no name, or low, rest and high are not in that order.
+    """
 
     name: str
+    """as the character's files call it"""
     low: float = 0.0
+    """the least value, below `high`"""
     high: float = 1.0
+    """the greatest value"""
     rest: float = 0.0
+    """the value of the rest pose, from `low` to `high`"""
 
     def __post_init__(self) -> None:
         """Check."""
@@ -48,11 +56,13 @@ class Rig:
 
     name: str
     controls: tuple[Control, ...]
+    """at least one, each name once"""
     mirror: MappingProxyType[str, str]
     """control to that of the other side; controls of the middle are left out"""
     source: str = ""
     """where the names come from"""
     license: str = ""
+    """terms of use, in a few words"""
 
     def __post_init__(self) -> None:
         """Check and freeze."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 BILABIALS = frozenset(("P", "B", "M", "EM"))
@@ -55,7 +56,7 @@ class Aperture:
         object.__setattr__(self, "values", values)
 
     def at(self, times: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Linear between the known frames, held at the ends."""
+        """(len(times),), linear between the known frames, held at the ends; `times` in s."""
         known = ~np.isnan(self.values)
         return np.interp(np.asarray(times), self.times[known], self.values[known])
 
@@ -71,13 +72,17 @@ class Aperture:
 
 
 def video_times(frames: int, fps: float) -> npt.NDArray[np.float64]:
-    """The times of the middles of `frames` video frames in s."""
+    """(T,) s, the middles of T = `frames` video frames."""
     return np.asarray((np.arange(frames) + 0.5) / fps, np.float64)
 
 
 def speech_span(track: PhoneTrack) -> tuple[float, float]:
-    """From the start of the first to the end of the last phone that is not silence."""
-    spoken = [index for index, phone in enumerate(track.phones) if phone != "sil"]
+    """From the start of the first to the end of the last phone that is not silence, s.
+
+    Raises:
+        ValueError: the track is all silence.
+    """
+    spoken = [index for index, phone in enumerate(track.phones) if phone != SILENCE]
     if not spoken:
         raise ValueError("the track is all silence")
     return float(track.edges[spoken[0]]), float(track.edges[spoken[-1] + 1])
@@ -184,7 +189,7 @@ def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float
     times = estimated_aperture.times
     inside = np.zeros(len(times), bool)
     for index, (phone, start, end) in enumerate(track):
-        if phone == "sil":
+        if phone == SILENCE:
             first = start + (margin if index > 0 else 0.0)
             last = end - (margin if index < len(track) - 1 else 0.0)
             inside |= (times >= first) & (times <= last)
@@ -198,15 +203,19 @@ class LipScore:
     """One recording, or the pool of many."""
 
     r: float
+    """-1 to 1, without lag; NaN where either aperture does not move"""
     r_best_lag: float
+    """-1 to 1, at `lag`"""
     lag: float
     """s; positive where the estimate is late"""
     closures_hit: int
+    """of the real closures, how many the estimate makes"""
     closures_real: int
     false_closures: int
     speech: float
-    """s"""
+    """s, from the first phone to the last"""
     silence: float
+    """mean aperture in silence over the 95th percentile; NaN without silence"""
 
 
 def evaluate(

@@ -66,7 +66,7 @@ class Asset:
     """(V,) the vertex on the other side"""
 
     def joint(self, name: str) -> NDArray[np.float64]:
-        """The centre of the joint cube `name`, m."""
+        """(3,) m, the centre of the joint cube `name`."""
         centre = self.mesh.vertices[self.mesh.vertices_of(f"joint-{name}")].mean(axis=0)
         return np.asarray(centre)
 

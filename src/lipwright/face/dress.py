@@ -33,7 +33,7 @@ OPEN_MOUTH: Final = ("mouth", "teethUpper", "teethLower", "tongue")
 
 
 def dress_skin(skin: Piece, asset: Asset, body: QuadGraph) -> NDArray[np.uint8]:
-    """Give `skin` its hair and its places in the texture, and return the texture."""
+    """Give `skin` its hair and its places in the texture, and return the texture (H, W, 3)."""
     rest = asset.mesh.vertices
     marks = Landmarks(
         eye=eye_sphere(asset)[0],
@@ -52,7 +52,7 @@ def dress_skin(skin: Piece, asset: Asset, body: QuadGraph) -> NDArray[np.uint8]:
 
 
 def neckline_depth(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far in m each vertex lies below the neckline of the shirt: a plane, lower in front."""
+    """(V,) m that each vertex (V, 3) lies below the shirt's neckline: a plane, lower in front."""
     return np.asarray(NECKLINE_M - NECKLINE_SLOPE * vertices[:, 2] - vertices[:, 1])
 
 

@@ -38,7 +38,7 @@ def contact_ring(body: QuadGraph) -> list[int]:
 
 
 def mouth_cavity(asset: Asset, body: QuadGraph) -> NDArray[np.int64]:
-    """The vertices of the mouth inside the ring that lies out of sight behind the lips."""
+    """(n,) vertices of the mouth inside the ring that lies out of sight behind the lips."""
     start = CAVITY_RING_UPPER
     left = next(v for v in body.neighbours[start] if asset.mesh.vertices[v, 0] > 1e-4)
     return body.enclosed(CAVITY_INNER, body.edge_loop(start, left))
@@ -87,7 +87,7 @@ def with_closed_lips(asset: Asset, body: QuadGraph) -> Asset:
 
 
 def red_of_lips(body: QuadGraph, count: int) -> NDArray[np.float64]:
-    """How much each of `count` vertices belongs to the red of the lips, 0 to 1."""
+    """(count,), how much each vertex belongs to the red of the lips, 0 to 1."""
     red = np.zeros(count)
     border = body.edge_loop(*BORDER)
     outside = body.enclosed(NOSE_TIP, border)

@@ -39,12 +39,12 @@ MATERIALS: Final = MappingProxyType(
 
 
 def srgb_to_linear(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Linear light 0 to 1 of 8-bit sRGB values."""
+    """Linear light 0 to 1 of 8-bit sRGB values, in their shape."""
     return _SRGB_TABLE[pixels]
 
 
 def linear_to_srgb(light: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """8-bit sRGB values of linear light, clipped to 0 to 1."""
+    """8-bit sRGB values of linear light, clipped to 0 to 1, in its shape."""
     light = np.clip(light, 0.0, 1.0)
     curve = np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
     return np.asarray(np.rint(curve * 255), np.uint8)

@@ -23,7 +23,7 @@ class Mesh:
     """(F,), the group of each face"""
 
     def vertices_of(self, *groups: str) -> NDArray[np.int64]:
-        """The sorted numbers of the vertices that faces of `groups` use."""
+        """(n,) sorted numbers of the vertices that faces of `groups` use."""
         return np.unique(self.quads[np.isin(self.groups, groups)])
 
 

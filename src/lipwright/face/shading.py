@@ -158,7 +158,7 @@ class VertexLight:
 
 
 def encode(light: Floats) -> Floats:
-    """SRGB 0 to 1 of linear light, to within half a step of 255; fast."""
+    """The sRGB values, 0 to 1, of linear light in its shape, to within half a step of 255; fast."""
     light = np.clip(light, 0, 1, dtype=np.float32)
     root = np.sqrt(light)
     fourth = np.sqrt(root)

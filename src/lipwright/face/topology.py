@@ -61,7 +61,10 @@ class QuadGraph:
     def distances(
         self, start: Iterable[int], vertices: NDArray[np.float64], limit: float
     ) -> dict[int, float]:
-        """Distance along edges from the nearest of `start` to every vertex within `limit`."""
+        """Vertex to distance along edges from the nearest of `start`, for all within `limit`.
+
+        `vertices` (V, 3) and distances are in the same unit.
+        """
         found: dict[int, float] = {}
         queue = [(0.0, int(vertex)) for vertex in start]
         while queue:

@@ -135,7 +135,7 @@ def with_differences(static: Floats, reach: int = 1) -> Floats:
 
 
 def sample_blocks(sound: Sound, seconds: float = 10.0) -> Iterator[Floats]:
-    """The samples of `sound` at 16 kHz, in pieces."""
+    """The samples of `sound` at 16 kHz, in pieces (n,)."""
     if sound.rate == RATE:
         yield from (block.samples for block in sound.blocks(seconds))
         return

@@ -46,7 +46,7 @@ def levels(power: Floats) -> Doubles:
 
 
 def dynamic_range(power: Floats) -> float:
-    """How far loud frames rise over the quietest, in dB."""
+    """How far loud frames of mel power (T, 25) rise over the quietest, in dB."""
     level = levels(power)
     return speech_level(level) - float(np.quantile(level, _QUIET))
 

@@ -19,7 +19,7 @@ MARGIN: Final = 0.25  # s around speech: weak beginnings and ends
 
 
 def speech_level(levels: Doubles) -> float:
-    """The level in dB of loud speech, however much of the recording is silent."""
+    """The level in dB of loud speech in levels (T,), however much of the recording is silent."""
     peak = np.quantile(levels, _PEAK_SHARE)
     return float(np.quantile(levels[levels >= peak - _SPEECH_DEPTH], _SPEECH_SHARE))
 

@@ -51,7 +51,11 @@ class SphinxAligner:
         dictionary: Dictionary | None = None,
         progress: Progress | None = None,
     ) -> Alignment:
-        """Phones and words with times and confidences; see `Aligner.align`."""
+        """Phones and words with times and confidences; see `Aligner.align`.
+
+        Raises:
+            LipwrightError: nothing is heard, or the words do not fit the sound.
+        """
         report = progress or (lambda share: None)
         power = spectra(audio)
         if not len(power) or levels(power).max() < SILENT_DB:
