@@ -31,7 +31,7 @@ _DIGIT_NAMES = "zero one two three four five six seven eight nine"
 DIGITS = dict(zip("z123456789", _DIGIT_NAMES.split(), strict=True))
 ADVERBS = {"a": "again", "n": "now", "p": "please", "s": "soon"}
 
-TEST = VALIDATION = 50  # sentences, DESIGN.md
+TEST = VALIDATION = 50  # sentences
 
 # Landmarks of the tracker, on the inner lips (upper, lower), the corners of the eyes, of the mouth.
 LIP_PAIRS = ((13, 14), (82, 87), (312, 317))
@@ -127,7 +127,10 @@ def _tracker() -> Tracker:
 
 
 def split_order(name: str) -> str:
-    """The key that sorts sentences into the splits of DESIGN.md."""
+    """The key that sorts sentences: the least are for the test, the next for validation.
+
+    By a hash of the name, so that the split depends on nothing else.
+    """
     return hashlib.sha256(f"lipwright-split:{name}".encode()).hexdigest()
 
 

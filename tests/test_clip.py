@@ -87,7 +87,7 @@ class TestConstruction:
             with pytest.raises(ValueError, match="read-only"):
                 view[0] = 1
         with pytest.raises(FrozenInstanceError):
-            clip.fps = 30  # type: ignore[misc]
+            clip.fps = 30  # type: ignore[misc]  # frozen
 
     def test_names_that_repeat_are_refused_and_named(self) -> None:
         with pytest.raises(ValueError, match="names repeat: a, b"):

@@ -87,7 +87,7 @@ class TestConstruction:
         pairs.clear()
         assert rig.mirror == {"l": "r", "r": "l"}
         with pytest.raises(TypeError):
-            rig.mirror["l"] = "l"  # type: ignore[index]
+            rig.mirror["l"] = "l"  # type: ignore[index]  # read-only
 
 
 class TestFit:

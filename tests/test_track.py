@@ -45,7 +45,7 @@ class TestConstruction:
 
     def test_lists_are_frozen_to_tuples_and_no_stress_is_none_for_each(self) -> None:
         words = [Word("a", 0, 1)]
-        track = PhoneTrack(["AA", "B"], [0, 1, 2], words)  # type: ignore[arg-type]
+        track = PhoneTrack(["AA", "B"], [0, 1, 2], words)  # type: ignore[arg-type]  # lists
         assert track.phones == ("AA", "B")
         assert track.words == tuple(words)
         assert track.stress == (None, None)
@@ -61,7 +61,7 @@ class TestConstruction:
 
     def test_fields_cannot_be_replaced_in_place(self) -> None:
         with pytest.raises(FrozenInstanceError):
-            HELLO.phones = ("AA",)  # type: ignore[misc]
+            HELLO.phones = ("AA",)  # type: ignore[misc]  # frozen
 
     def test_no_phones_are_refused(self) -> None:
         with pytest.raises(ValueError, match="at least one phone"):
