@@ -56,6 +56,17 @@ def weld(sources: NDArray[np.int64]) -> NDArray[np.int32]:
     return welds
 
 
+def _displacements(
+    name: str, pieces: Sequence[Piece]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The vertices (n,) of the whole head that a control moves, and how far (n, 3), m."""
+    whole = np.concatenate(
+        [piece.shapes.get(name, np.zeros_like(piece.vertices)) for piece in pieces]
+    )
+    moved = np.flatnonzero(np.abs(whole).max(axis=1) > MOVES_M)
+    return moved, whole[moved]
+
+
 def assemble(
     pieces: Sequence[Piece], texture: NDArray[np.uint8], lip_sources: NDArray[np.int64]
 ) -> Head:
@@ -63,16 +74,7 @@ def assemble(
     vertex_edges = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     triangle_edges = np.cumsum([0, *(len(piece.triangles) for piece in pieces)])
     sources = np.concatenate([piece.source for piece in pieces])
-    starts, moved, deltas = [0], [], []
-    for name in CANONICAL:
-        whole = np.zeros((vertex_edges[-1], 3))
-        for start, piece in zip(vertex_edges, pieces, strict=False):
-            if name in piece.shapes:
-                whole[start : start + len(piece.vertices)] = piece.shapes[name]
-        index = np.flatnonzero(np.abs(whole).max(axis=1) > MOVES_M)
-        moved.append(index)
-        deltas.append(whole[index])
-        starts.append(starts[-1] + len(index))
+    moved, deltas = zip(*(_displacements(name, pieces) for name in CANONICAL), strict=True)
     return Head(
         vertices=np.concatenate([p.vertices for p in pieces]).astype(np.float32),
         triangles=np.concatenate(
@@ -91,7 +93,7 @@ def assemble(
         uvs=np.concatenate([p.uvs for p in pieces]).astype(np.float32),
         texture=texture,
         welds=weld(sources),
-        shape_starts=np.array(starts, np.int32),
+        shape_starts=np.cumsum([0, *map(len, moved)]).astype(np.int32),
         shape_vertices=np.concatenate(moved).astype(np.int32),
         shape_deltas=np.concatenate(deltas).astype(np.float32),
         lip_pairs=np.array(
