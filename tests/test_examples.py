@@ -13,7 +13,9 @@ import click
 import pytest
 
 from lipwright.cli.app import app
+from lipwright.export import read_clip
 from lipwright.face.head import Head
+from lipwright.formats import read_track
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9]*.py"))
@@ -75,6 +77,36 @@ def test_the_five_lines_of_python_run_as_written(tmp_path: Path, head: Head) -> 
     subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "hello.glb").stat().st_size > 0
     assert (tmp_path / "hello.csv").stat().st_size > 0
+
+
+TRACKS = {
+    "Praat TextGrid": "a.TextGrid", "CTM": "a.ctm", "HTK label": "a.lab",
+    "Lipwright phone track (JSON)": "a.json", "MBROLA .pho": "a.pho",
+}  # fmt: skip
+CLIPS = {"Lipwright clip (JSON)": "a.json", "CSV table": "a.csv"}
+
+
+@pytest.mark.parametrize(("heading", "name"), [*TRACKS.items(), *CLIPS.items()])
+def test_the_example_of_a_documented_format_is_read(
+    heading: str, name: str, tmp_path: Path
+) -> None:
+    page = (ROOT / "docs" / "formats.md").read_text("utf-8")
+    section = page.partition(f"\n### {heading}\n")[2]
+    path = tmp_path / name
+    path.write_text(re.split(r"```\w*\n", section)[1].split("```")[0], "utf-8")
+    if heading in TRACKS:
+        assert "HH" in read_track(path).phones
+    else:
+        assert read_clip(path).curve("jawOpen").tolist() == [0.0, 0.125, 0.25]
+
+
+def test_the_python_of_the_documents_runs_as_written(tmp_path: Path, head: Head) -> None:
+    del head
+    for page in sorted((ROOT / "docs").glob("*.md")):
+        for block in re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL):
+            subprocess.run(
+                [sys.executable, "-c", block], cwd=tmp_path, check=True, capture_output=True
+            )
 
 
 def commands(group: click.Group, path: str = "lipwright") -> Iterator[tuple[str, click.Command]]:

@@ -1,3 +1,5 @@
+"""The head: lips that touch, teeth and tongue behind them, and its file."""
+
 from __future__ import annotations
 
 from pathlib import Path

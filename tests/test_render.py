@@ -1,3 +1,5 @@
+"""Pictures of the head, by OpenGL and by software."""
+
 from __future__ import annotations
 
 import sys

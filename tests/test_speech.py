@@ -1,3 +1,5 @@
+"""Forced alignment: planted answers, noise, words that do not fit, and each of its parts."""
+
 import signal
 import subprocess
 import sys

@@ -1,3 +1,5 @@
+"""Pinned wheels: what is fetched is checked before it is used."""
+
 import hashlib
 import subprocess
 import zipfile
