@@ -27,6 +27,8 @@ Report = Callable[[str, float], None]
 """called with the stage's name and the share of it that is done, 0 to 1"""
 
 ALIGNMENT_RATE = 16000  # Hz, what the aligner hears
+MOST_WORDS = 20.0  # a second of sound; the fastest speakers reach 11
+SPARE_WORDS = 100  # for notes and marks that are not said
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,12 @@ def align_sound(
     options = options or AlignOptions()
     language = get_language(options.language)
     dictionary = None if options.dictionary is None else read_dictionary(Path(options.dictionary))
+    most = SPARE_WORDS + MOST_WORDS * sound.duration
+    if (count := len(text.split())) > most:
+        raise LipwrightError(
+            f"{source}: {count} words cannot be said in {sound.duration:.1f} s, which {sound.name} "
+            "lasts; give the words of this recording"
+        )
     words = language.normalize(text, source, dictionary)
     return align(
         sound, words, options.language, dictionary, options.aligner,

@@ -56,7 +56,7 @@ def _other_text(
     name = getattr(sound, "name", "audio")
     return LipwrightError(
         f"{name}: the text does not fit the sound: {len(misfits)} of {n_words} words do not, the "
-        f"first at {misfits[0].start:.2f} s, {word.written!r} (line {word.line}, column "
+        f"first at {misfits[0].start:.2f} s, {word.written[:40]!r} (line {word.line}, column "
         f"{word.column}); give the words of this recording"
     )
 

@@ -33,6 +33,7 @@ _ADDRESS: Final = re.compile(
 )
 _SCHEME: Final = re.compile(r"^\w+://")
 _AMOUNT: Final = re.compile(rf"[.'+-]*[{re.escape(''.join(tables.CURRENCIES))}]?\.?\d", re.ASCII)
+_LONGEST: Final = 500  # characters of a token; web addresses are the longest that are said
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
 _UNSPEAKABLE: Final = 4  # letters; longer ones without vowels are interjections
 _VOWELS: Final = frozenset("aeiouy")
@@ -87,6 +88,11 @@ class Reader:
         for line, content in enumerate(text.split("\n"), 1):
             for found in re.finditer(r"\S+", content):
                 written, column = found[0], found.start() + 1
+                if len(written) > _LONGEST:
+                    raise LipwrightError(
+                        f"{source}: line {line}, column {column}: a word of {len(written)} "
+                        f"characters, more than {_LONGEST}; put spaces between words"
+                    )
                 if self._own(written):
                     core = written
                 else:
