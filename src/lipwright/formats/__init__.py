@@ -72,7 +72,9 @@ def read_track(
         LipwrightError: the format is unknown or the file cannot be used; names file, place, time
             and remedy.
     """
-    return by_suffix(TRACK_FORMATS, path, format, "phone track").read(Path(path), duration)
+    remedy = "give the file the suffix of what it is, one of {}"
+    entry = by_suffix(TRACK_FORMATS, path, format, "phone track", remedy)
+    return entry.read(Path(path), duration)
 
 
 def write_track(

@@ -13,8 +13,9 @@ Entry = TypeVar("Entry")
 
 
 def by_suffix(
-    table: Mapping[str, Entry], path: str | os.PathLike[str], name: str | None, what: str
-) -> Entry:
+    table: Mapping[str, Entry], path: str | os.PathLike[str], name: str | None, what: str,
+    remedy: str = "name one of {} by the file's suffix or by --format",
+) -> Entry:  # fmt: skip
     """The entry for `path`; the longest suffix wins, capitals do not count.
 
     Args:
@@ -22,6 +23,7 @@ def by_suffix(
         path: the file.
         name: a suffix, with or without its dot, that goes before that of the file.
         what: what the file holds, for the error: `phone track`.
+        remedy: for a suffix that no entry has, with {} for those that there are.
 
     Raises:
         LipwrightError: no entry has the suffix; names those that are known.
@@ -37,7 +39,5 @@ def by_suffix(
         if file_name.endswith(suffix) and file_name != suffix:
             return table[suffix]
     found = Path(path).suffix
-    which = f"suffix {found!r} is not" if found else "a file without a suffix is not"
-    raise LipwrightError(
-        f"{path}: {which} a {what} format; name one of {known} by the file's suffix or by --format"
-    )
+    which = f"suffix {found!r} is" if found else "a file without a suffix is"
+    raise LipwrightError(f"{path}: {which} no {what} format; {remedy.format(known)}")
