@@ -249,7 +249,7 @@ def _reading_error(name: str, error: OSError) -> LipwrightError:
             f"{name}: its decoded sound does not fit into {tempfile.gettempdir()}; set TMPDIR to a "
             "folder with more room"
         )
-    return LipwrightError(f"{name!r}: cannot be read: {error.strerror}; check the path")
+    return LipwrightError(f"{name}: cannot be read: {error.strerror}; check the path")
 
 
 class _CancelledError(Exception):

@@ -92,4 +92,4 @@ def _read_text(path: str | os.PathLike[str]) -> str:
         raise LipwrightError(f"{path}: line {line}: not UTF-8; save the file as UTF-8") from error
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or error
-        raise LipwrightError(f"{path!r}: cannot be read: {reason}; check the path") from error
+        raise LipwrightError(f"{path}: cannot be read: {reason}; check the path") from error
