@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -47,14 +48,18 @@ class Exporter:
     """the files to write for a target, after all that can be checked before the work"""
     read: Callable[[PathLike], Clip] | None = None
     """the clip of such a file, where it can be read back"""
+    prepare: Callable[[], object] | None = None
+    """raises LipwrightError or ImportError where a head or package that it needs is missing"""
 
 
 EXPORTERS: Final = MappingProxyType({
     ".json": Exporter("Lipwright clip", jsonclip.outputs, read_clip_json),
     ".csv": Exporter("table: time and one column a control", csvclip.outputs, read_clip_csv),
     ".livelink.csv": Exporter("Live Link Face recording, for Unreal", livelink.outputs),
-    ".glb": Exporter("animated head, with its sound beside it as WAV", glb.outputs),
-    ".mp4": Exporter("video of the head with sound", mp4.outputs),
+    ".glb": Exporter(
+        "animated head, with its sound beside it as WAV", glb.outputs, prepare=glb.prepare
+    ),
+    ".mp4": Exporter("video of the head with sound", mp4.outputs, prepare=mp4.prepare),
 })  # fmt: skip
 """suffix to exporter; the longest suffix wins"""
 
@@ -128,44 +133,59 @@ def export_all(
                 raise LipwrightError(f"{output.path}: cannot be written: {reason}") from error
 
 
-def check_targets(paths: Iterable[PathLike], recording: PathLike | None = None) -> None:
+def check_targets(
+    paths: Iterable[PathLike],
+    recording: PathLike | None = None,
+    inputs: Iterable[PathLike] = (),
+) -> None:
     """Find out before long work whether files can be written.
 
     Args:
         paths: the files.
         recording: a file that none of them may replace.
+        inputs: other files that none of them may replace, such as the words.
 
     Raises:
-        LipwrightError: two of them are the same, or one is a folder, the recording, or in a
+        LipwrightError: two of them are the same, or one is a folder, a device, an input, or in a
             folder that is missing or read-only.
     """
+    inputs = tuple(inputs)
     seen: set[Path] = set()
     for path in map(Path, paths):
-        place = path.parent.resolve() / path.name
+        place = Path(os.path.realpath(path))  # links are followed when files are written
         if place in seen:
             raise LipwrightError(f"{path}: two outputs have this name; give each its own")
         seen.add(place)
         _check_target(path)
         if recording is not None and _is_same(path, Path(recording)):
             raise LipwrightError(f"{path}: is the recording itself; name another output")
+        if any(_is_same(path, Path(other)) for other in inputs):
+            raise LipwrightError(f"{path}: is also read; name another output")
 
 
 def _is_same(path: Path, other: Path) -> bool:
-    return path.exists() and other.exists() and path.samefile(other)
+    try:
+        return path.samefile(other)
+    except OSError:  # one of them is not there, or cannot be
+        return False
 
 
 def _check_target(path: Path) -> None:
-    if path.is_dir():
-        raise LipwrightError(f"{path}: is a folder; name a file")
-    if not path.parent.is_dir():
-        raise LipwrightError(f"{path}: its folder {path.parent} does not exist; create it first")
     try:
+        if path.is_dir():
+            raise LipwrightError(f"{path}: is a folder; name a file")
+        if path.exists() and not path.is_file():
+            raise LipwrightError(f"{path}: is a device or pipe; name a file, or - for a pipe")
+        folder = Path(os.path.realpath(path)).parent  # where a link leads to
+        if not folder.is_dir():
+            missing = folder if path.is_symlink() else path.parent
+            raise LipwrightError(f"{path}: its folder {missing} does not exist; create it first")
         # Permissions alone do not tell: the file system may be read-only, the user root.
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".lipwright-"):
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".lipwright-"):
             pass
     except OSError as error:
         reason = error.strerror or str(error)
-        raise LipwrightError(f"{path}: cannot be written: {reason}; name another folder") from error
+        raise LipwrightError(f"{path}: cannot be written: {reason}; name another file") from error
 
 
 def read_clip(

@@ -32,6 +32,20 @@ INDICES: Final = 34963
 TURNS: Final = 1e-3  # smaller changes of a unit normal are not seen and not stored
 
 
+def prepare() -> None:
+    """Find out before long work whether the head and the packages are there.
+
+    Raises:
+        LipwrightError: no head is installed.
+        ImportError: no pygltflib is installed.
+    """
+    import pygltflib  # noqa: F401  # imported again where it is used
+
+    from lipwright.face.head import load_head
+
+    load_head()
+
+
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
     """The GLB, and the sound beside it.
 

@@ -36,6 +36,20 @@ VIDEO: Final = {"crf": "18", "preset": "fast"}  # x264: no loss that one sees
 BT709: Final = 1  # ITU-T H.273: primaries, transfer and matrix of BT.709
 
 
+def prepare() -> None:
+    """Find out before long work whether the head and the packages are there.
+
+    Raises:
+        LipwrightError: no head is installed.
+        ImportError: no av is installed.
+    """
+    import av  # noqa: F401  # imported again where it is used
+
+    from lipwright.face.head import load_head
+
+    load_head()
+
+
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
     """The one file.
 
