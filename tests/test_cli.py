@@ -387,3 +387,134 @@ def test_output_that_nobody_reads_ends_without_a_traceback() -> None:
     )  # fmt: skip
     _, errors = process.communicate(timeout=60)
     assert b"Traceback" not in errors
+
+
+def test_a_missing_package_is_named_with_its_command_only_where_it_is_needed(
+    tmp_path: Path, track: Path
+) -> None:
+    with mock.patch.dict(sys.modules, {"pygltflib": None}):
+        run = lipwright("animate", HELLO, "--phones", track, "-o", "a.csv", cwd=tmp_path)
+        assert run.returncode == 0, run.stderr.decode()
+        run = lipwright("animate", HELLO, "--phones", track, "-o", "a.glb", cwd=tmp_path)
+        assert_refused(run, "pygltflib", "pip install pygltflib")
+
+
+@pytest.mark.parametrize("name", ["a" * 300 + ".csv", "a" * 300 + "/a.csv", "a" * 5000])
+def test_names_that_are_too_long_are_refused(name: str, tmp_path: Path, track: Path) -> None:
+    run = lipwright("animate", HELLO, "--phones", track, "-o", name, "-f", "csv", cwd=tmp_path)
+    assert_refused(run, name)
+    run = lipwright("animate", name, "--phones", track, "-o", "b.csv", cwd=tmp_path)
+    assert_refused(run, name)
+
+
+def test_an_output_never_takes_the_place_of_another_input(tmp_path: Path, track: Path) -> None:
+    words, names = tmp_path / "words.lab", tmp_path / "names.ctm"
+    words.write_text("hello", "utf-8")
+    names.write_text("hello HH AH L OW", "utf-8")
+    before = track.read_bytes()
+    (tmp_path / "link.csv").symlink_to(track)
+    for out in (track, tmp_path / "link.csv"):
+        run = lipwright("animate", HELLO, "--phones", track, "-o", out, "-f", "csv")
+        assert_refused(run, str(out), "is also read")
+    assert track.read_bytes() == before
+    for out in (words, names):
+        run = lipwright("align", HELLO, "--text", words, "--dictionary", names, "-o", out)
+        assert_refused(run, str(out), "is also read")
+
+
+def test_two_outputs_may_not_be_one_file_or_one_pipe(tmp_path: Path, track: Path) -> None:
+    (tmp_path / "link.csv").symlink_to("a.csv")
+    run = lipwright(
+        "animate", HELLO, "--phones", track, "-o", "a.csv", "-o", "link.csv", cwd=tmp_path
+    )
+    assert_refused(run, "link.csv", "two outputs")
+    run = lipwright("animate", HELLO, "--phones", track, "-o", "-", "-o", "-", "-f", "csv")
+    assert_refused(run, "standard output is named twice")
+
+
+def test_devices_and_links_to_nowhere_are_refused_before_the_work(
+    tmp_path: Path, track: Path
+) -> None:
+    (tmp_path / "link.csv").symlink_to("nowhere/a.csv")
+    silence = tmp_path / "silence.wav"  # which would be refused later
+    write_wav(silence, Audio(np.zeros(16000, np.float32), 16000))
+    run = lipwright("align", silence, "--text", "hello", "-o", "/dev/null", "-f", "ctm")
+    assert_refused(run, "/dev/null: is a device or pipe")
+    run = lipwright("align", silence, "--text", "hello", "-o", tmp_path / "link.csv", "-f", "ctm")
+    assert_refused(run, "nowhere does not exist")
+
+
+def test_a_text_that_nobody_could_say_in_that_time_is_refused_at_once(tmp_path: Path) -> None:
+    words = tmp_path / "words.txt"
+    words.write_text("hello there " * 1_000_000, "utf-8")
+    run = lipwright("align", HELLO, "--text", words, "-o", tmp_path / "a.ctm")
+    assert_refused(run, str(words), "2000000 words", "9.3 s")
+
+
+def test_a_word_without_end_is_refused_by_its_place(tmp_path: Path) -> None:
+    run = lipwright("align", HELLO, "--text", "hello " + "b" * 3000, "-o", tmp_path / "a.ctm")
+    assert_refused(run, "--text: line 1, column 7", "3000 characters")
+    assert len(run.stderr) < 300
+
+
+def test_words_may_come_from_a_named_pipe(tmp_path: Path) -> None:
+    pipe = tmp_path / "words"
+    os.mkfifo(pipe)
+    writer = subprocess.Popen(["/bin/sh", "-c", f"echo '!!!' > {pipe}"])
+    run = lipwright("align", HELLO, "--text", pipe, "-o", tmp_path / "a.ctm")
+    writer.wait()
+    assert_refused(run, f"{pipe}: has no words")
+
+
+def test_text_that_is_not_utf_8_is_refused_by_line(tmp_path: Path) -> None:
+    words = tmp_path / "words.txt"
+    words.write_bytes(b"hello\ncaf\xe9")
+    run = lipwright("align", HELLO, "--text", words, "-o", tmp_path / "a.ctm")
+    assert_refused(run, f"{words}: line 2: byte 9 is not UTF-8 text")
+
+
+def test_a_dictionary_that_would_not_be_used_is_refused(tmp_path: Path, track: Path) -> None:
+    run = lipwright(
+        "animate", HELLO, "--phones", track, "--dictionary", "my.dict", "-o", tmp_path / "a.csv"
+    )
+    assert_refused(run, "my.dict", "--phones")
+
+
+def test_a_folder_as_dictionary_is_named_as_it_was_given(tmp_path: Path) -> None:
+    run = lipwright(
+        "align", HELLO, "--text", "hello", "--dictionary", tmp_path, "-o", tmp_path / "a.ctm"
+    )
+    assert_refused(run, f"lipwright: {tmp_path}: cannot be read")
+
+
+def test_phones_without_a_known_suffix_are_not_sent_to_an_option_of_the_output(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "a.xyz").write_text("", "utf-8")
+    run = lipwright("animate", HELLO, "--phones", "a.xyz", "-o", "a.csv", cwd=tmp_path)
+    assert_refused(run, "a.xyz", ".textgrid")
+    assert b"--format" not in run.stderr
+
+
+def test_with_json_every_line_of_standard_error_is_json(tmp_path: Path) -> None:
+    text = "xqzptlk " + HELLO_TEXT.read_text("utf-8")
+    run = lipwright(
+        "align", HELLO, "--text", text, "--progress", "json", "-o", "a.ctm", cwd=tmp_path
+    )
+    lines = [json.loads(line) for line in run.stderr.splitlines()]
+    assert run.returncode == 0
+    assert "'xqzptlk'" in lines[-1]["warning"]
+    for arguments in (["--progress=json"], ["--progress", "json", "--nonsense"]):
+        run = lipwright("align", "nowhere.wav", "--text", "a", "-o", "a.ctm", *arguments)
+        assert run.returncode == 2
+        assert list(json.loads(run.stderr.splitlines()[-1])) == ["error"]
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "1e30"])
+def test_head_show_refuses_weights_that_no_pose_has(value: str, tmp_path: Path) -> None:
+    run = lipwright("head", "show", tmp_path / "a.png", "--set", f"jawOpen={value}")
+    assert_refused(run, value, "from -10 to 10")
+
+
+def test_head_show_writes_no_png_under_another_name(tmp_path: Path) -> None:
+    assert_refused(lipwright("head", "show", tmp_path / "a.jpg"), "a.jpg", ".png")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lipwright.cli.inputs import STDIN, read_text, recording
-from lipwright.cli.progress import Report, progress_option, progress_report, say
+from lipwright.cli.progress import Report, progress_option, progress_report, say, warn
 from lipwright.engines import DEFAULT
 from lipwright.errors import LipwrightError
 
@@ -60,12 +60,25 @@ def _suffix(format: str | None) -> str | None:  # noqa: A002  # as the option is
     return format if format is None or format.startswith(".") else f".{format}"
 
 
-def _targets(out: tuple[str, ...], known: Iterable[str]) -> tuple[str, ...]:
+def _targets(out: tuple[str, ...], known: Iterable[str], suffix: str | None) -> tuple[str, ...]:
     if not out:
         raise LipwrightError(
             f"no output; name one with -o: {', '.join(f'-o NAME{s}' for s in known)}"
         )
+    if out.count(STDIN) > 1:
+        raise LipwrightError("standard output is named twice; give each output its own place")
+    if STDIN in out and suffix is None:
+        raise LipwrightError("standard output has no suffix; choose the format with --format")
     return out
+
+
+def _check_files(targets: tuple[str, ...], speech: str, *inputs: str | Path | None) -> None:
+    """Find out now, rather than after minutes of work, what cannot be written."""
+    from lipwright.export import check_targets
+
+    files = [target for target in targets if target != STDIN]
+    read = [path for path in inputs if path is not None and path != STDIN]
+    check_targets(files, None if speech == STDIN else speech, read)
 
 
 def _speech_name(speech: str) -> str:
@@ -81,12 +94,12 @@ def _named(path: Path, speech: str) -> Iterator[None]:
         raise LipwrightError(str(error).replace(str(path), _speech_name(speech))) from error
 
 
-def _report_misfits(alignment: Alignment) -> None:
+def _report_misfits(alignment: Alignment, progress: str) -> None:
     for misfit in alignment.misfits:
-        shown = misfit.written or misfit.text
-        say(
-            f"warning: {shown!r} does not fit the sound at {misfit.start:.2f} to "
-            f"{misfit.end:.2f} s (score {misfit.score:.1f}); it was left out"
+        warn(
+            f"{(misfit.written or misfit.text)[:40]!r} does not fit the sound at "
+            f"{misfit.start:.2f} to {misfit.end:.2f} s (score {misfit.score:.1f}); it was left out",
+            progress,
         )
 
 
@@ -128,25 +141,28 @@ def animate(
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
     from lipwright.engines import get_engine
-    from lipwright.export import EXPORTERS, check_targets
+    from lipwright.export import EXPORTERS
     from lipwright.formats.suffixes import by_suffix
     from lipwright.pipeline import AlignOptions, AnimateOptions
     from lipwright.pipeline import animate as make
 
-    targets = _targets(out, EXPORTERS)
+    targets = _targets(out, EXPORTERS, format)
     if (text is None) == (phones is None):
         raise LipwrightError(
             f"{_speech_name(speech)}: give either its words with --text or its phones with --phones"
         )
     if speech == STDIN == text:
         raise LipwrightError("the sound and the words cannot both come through the pipe")
+    if phones is not None and dictionary is not None:
+        raise LipwrightError(f"{dictionary}: --phones needs no dictionary; leave one of them out")
     options = AnimateOptions(engine=engine, fps=fps, intensity=intensity)
     export_options = _export_options(size, Path(_speech_name(speech)).stem)
     get_engine(engine)
     for target in targets:
-        by_suffix(EXPORTERS, Path(target), _suffix(format), "export")
-    # Found now rather than after minutes of work.
-    check_targets([t for t in targets if t != STDIN], None if speech == STDIN else speech)
+        exporter = by_suffix(EXPORTERS, Path(target), _suffix(format), "export")
+        if exporter.prepare is not None:
+            exporter.prepare()
+    _check_files(targets, speech, text, phones, dictionary)
     words, source = (None, "") if text is None else read_text(text)
     with progress_report(progress) as report, recording(speech) as path, _named(path, speech):
         result = make(
@@ -156,7 +172,7 @@ def animate(
         show = replace(export_options, progress=lambda done, all_: report("video", done / all_))
         _export(result, targets, _suffix(format), show)
     if result.alignment is not None:
-        _report_misfits(result.alignment)
+        _report_misfits(result.alignment, progress)
     if progress != "json":
         track = result.track
         for target in targets:
@@ -182,8 +198,6 @@ def _export(
 
     files = [target for target in targets if target != STDIN]
     if STDIN in targets:
-        if suffix is None:
-            raise LipwrightError("standard output has no suffix; choose the format with --format")
         with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
             path = Path(folder) / f"out{suffix}"
             export_all([path], result.performance, format=suffix, options=options)
@@ -207,26 +221,25 @@ def align(
     dictionary: Path | None, language: str, progress: str,
 ) -> None:  # fmt: skip
     """Find when each word and phone of a recording is said."""
-    from lipwright.export import check_targets
     from lipwright.formats import TRACK_FORMATS
     from lipwright.formats.suffixes import by_suffix
     from lipwright.pipeline import AlignOptions
 
-    targets = _targets(out, TRACK_FORMATS)
+    targets = _targets(out, TRACK_FORMATS, format)
     if text is None:
         raise LipwrightError(f"{_speech_name(speech)}: give its words with --text")
     if speech == STDIN == text:
         raise LipwrightError("the sound and the words cannot both come through the pipe")
     for target in targets:
         by_suffix(TRACK_FORMATS, Path(target), _suffix(format), "phone track")
-    check_targets([t for t in targets if t != STDIN], None if speech == STDIN else speech)
+    _check_files(targets, speech, text, dictionary)
     words, source = read_text(text)
     options = AlignOptions(language=language, dictionary=dictionary)
     with progress_report(progress) as report:
         alignment = _align(speech, words, source, options, report)
     for target in targets:
         _write_track(target, alignment, _suffix(format))
-    _report_misfits(alignment)
+    _report_misfits(alignment, progress)
     if progress != "json":
         track = alignment.track
         for target in targets:
@@ -248,8 +261,6 @@ def _write_track(target: str, alignment: Alignment, suffix: str | None) -> None:
     if target != STDIN:
         write_track(target, alignment.track, suffix)
         return
-    if suffix is None:
-        raise LipwrightError("standard output has no suffix; choose the format with --format")
     with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
         path = Path(folder) / f"out{suffix}"
         write_track(path, alignment.track, suffix)

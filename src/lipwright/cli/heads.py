@@ -9,6 +9,7 @@ import click
 from lipwright.cli.progress import say
 from lipwright.errors import LipwrightError
 
+MOST = 10  # weight; more than 1 already goes past what the shape was made for
 INSTALL_EXAMPLES = """\b
 Example:
   lipwright head install --if-missing
@@ -78,6 +79,8 @@ def _weights(settings: tuple[str, ...]) -> dict[str, float]:
             raise LipwrightError(
                 f"--set {setting!r} is not CONTROL=NUMBER, such as jawOpen=0.5"
             ) from None
+        if not -MOST <= weights[name] <= MOST:
+            raise LipwrightError(f"--set {setting!r}: give a number from {-MOST} to {MOST}")
     return weights
 
 
@@ -108,6 +111,8 @@ def show(out: Path, settings: tuple[str, ...], size: int) -> None:
                 f"--set: no control {name!r}; the controls are: {', '.join(CANONICAL)}"
             )
         weights[CANONICAL.index(name)] = value
+    if out.suffix.lower() != ".png":
+        raise LipwrightError(f"{out}: pictures are PNG; name a file that ends in .png")
     check_targets([out])
     with Renderer(load_head(), size, size) as renderer:
         write_png(out, renderer.render(weights))

@@ -32,14 +32,14 @@ def recording(speech: str) -> Iterator[Path]:
 
 def _decode(data: bytes, name: str) -> str:
     """UTF-8, or UTF-16 where a byte order mark says so."""
-    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    encoding, shown = ("utf-16", "UTF-16") if marked else ("utf-8-sig", "UTF-8")
     try:
         return data.decode(encoding)
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise LipwrightError(
-            f"{name}, line {line}: byte {error.start} is not {encoding.upper()[:6]} text; "
-            "save the file as UTF-8"
+            f"{name}: line {line}: byte {error.start} is not {shown} text; save the file as UTF-8"
         ) from error
 
 
@@ -59,15 +59,19 @@ def read_text(text: str) -> tuple[str, str]:
     if text == STDIN:
         return _decode(sys.stdin.buffer.read(MAX_TEXT), "standard input"), "standard input"
     try:
-        is_file, is_folder = Path(text).is_file(), Path(text).is_dir()
+        is_folder = Path(text).is_dir()
+        is_file = Path(text).exists() and not is_folder  # a pipe too, as of <(echo hello)
     except (OSError, ValueError):  # too long for a path, or not one
         is_file = is_folder = False
     if is_file:
         try:
-            size = Path(text).stat().st_size
-            if size > MAX_TEXT:
-                raise LipwrightError(f"{text}: {size} bytes are no transcript; name a text file")
-            return _decode(Path(text).read_bytes(), text), text
+            with Path(text).open("rb") as file:
+                data = file.read(MAX_TEXT + 1)
+            if len(data) > MAX_TEXT:
+                raise LipwrightError(
+                    f"{text}: more than {MAX_TEXT >> 20} MB are no transcript; name a text file"
+                )
+            return _decode(data, text), text
         except OSError as error:
             raise LipwrightError(f"{text}: cannot be read: {error.strerror}") from error
     if (is_folder and os.sep in text) or _looks_like_file(text):

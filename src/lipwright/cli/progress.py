@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import click
@@ -14,13 +14,25 @@ Report = Callable[[str, float], None]
 
 progress_option = click.option(
     "--progress", type=click.Choice(["auto", "json", "none"]), default="auto", show_default=True,
-    help="Bar on a terminal (auto), JSON lines on standard error (json), or none.",
+    help="Bar on a terminal (auto), none, or on standard error nothing but JSON, a line for each "
+    "stage, warning and error (json).",
 )  # fmt: skip
 
 
 def say(line: str) -> None:
     """A line for the user; standard output is kept for results."""
-    sys.stderr.write(line + "\n")
+    sys.stderr.write(" ".join(line.splitlines()) + "\n")
+
+
+def warn(line: str, progress: str) -> None:
+    """What the user should know, though the work is done."""
+    say(json.dumps({"warning": line}) if progress == "json" else f"warning: {line}")
+
+
+def wants_json(arguments: Sequence[str]) -> bool:
+    """Whether a command line asks for JSON lines; also one that cannot be parsed."""
+    chosen = zip(arguments, [*arguments[1:], ""], strict=True)
+    return "--progress=json" in arguments or ("--progress", "json") in chosen
 
 
 def _json_lines() -> Report:
