@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import FrozenInstanceError
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -88,6 +89,11 @@ class TestConstruction:
                 view[0] = 1
         with pytest.raises(FrozenInstanceError):
             clip.fps = 30  # type: ignore[misc]  # frozen
+
+    @pytest.mark.parametrize("names", ["ab", ("a", ""), ("a", 1)])
+    def test_what_is_no_row_of_names_is_refused(self, names: Any) -> None:
+        with pytest.raises(ValueError, match="not a row of names"):
+            Clip(names, 60, np.zeros((2, 2)))
 
     def test_names_that_repeat_are_refused_and_named(self) -> None:
         with pytest.raises(ValueError, match="names repeat: a, b"):

@@ -308,6 +308,8 @@ class TestJson:
             (HEAD.replace("60", "0") + '"values": [[0]]}', "'fps' is 0, not a rate up to 1000 a "),
             (HEAD.replace('["jawOpen"]', '["a", "a"]') + '"values": [[0, 0]]}',
              "the control 'a' stands twice; delete one"),
+            (HEAD.replace('"jawOpen"', '""') + '"values": [[0]]}',
+             "control 1 has no name; name it or delete it"),
             ('{"format": "lipwright-track", "version": 1}',
              "is of the format 'lipwright-track'; expected \"format\": \"lipwright-clip\""),
         ],

@@ -16,6 +16,7 @@ from lipwright.errors import LipwrightError
 from lipwright.rig import RIGS, Control, Rig, canonical_rig, load_rig
 
 NAN = float("nan")
+INF = float("inf")
 SMALL = Rig(
     "small",
     (Control("look", -1, 1), Control("open"), Control("lid", 0, 2, 1)),
@@ -54,7 +55,17 @@ class TestShipped:
 class TestConstruction:
     @pytest.mark.parametrize(
         ("low", "high", "rest"),
-        [(0, 1, 2), (0, 1, -1), (1, 0, 0.5), (1, 1, 1), (NAN, 1, 0), (0, NAN, 0), (0, 1, NAN)],
+        [
+            (0, 1, 2),
+            (0, 1, -1),
+            (1, 0, 0.5),
+            (1, 1, 1),
+            (NAN, 1, 0),
+            (0, NAN, 0),
+            (0, 1, NAN),
+            (0, INF, 0),
+            (-INF, 1, 0),
+        ],
     )
     def test_a_control_whose_rest_is_not_within_a_range_is_refused(
         self, low: float, high: float, rest: float

@@ -35,7 +35,8 @@ class Clip:
     """Curves of C controls, sampled at T frames; frame i is at i / fps seconds.
 
     Raises:
-        ValueError: names repeat, the shape does not match them, or a value is not finite.
+        ValueError: a name is empty or repeats, the shape does not match the names, a value is not
+            finite, or fps is out of range.
     """
 
     names: tuple[str, ...]
@@ -49,6 +50,8 @@ class Clip:
         """Check and freeze."""
         names = tuple(self.names)
         values = np.array(self.values, dtype=np.float32)  # a copy: ours to freeze
+        if isinstance(self.names, str) or not all(isinstance(n, str) and n for n in names):
+            raise ValueError(f"control names are {self.names!r}, not a row of names")
         if len(set(names)) != len(names):
             repeated = sorted({name for name in names if names.count(name) > 1})
             raise ValueError(f"control names repeat: {', '.join(repeated)}")

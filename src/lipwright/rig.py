@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -24,7 +25,7 @@ class Control:
     """One thing that a character lets us move.
 
     Raises:
-        ValueError: no name, or low, rest and high are not in that order.
+        ValueError: no name, or low, rest and high are not finite or not in that order.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Control:
         """Check."""
         if not self.name:
             raise ValueError("a control has no name")
-        if not self.low <= self.rest <= self.high or self.low == self.high:
+        if not self.low <= self.rest <= self.high or not 0 < self.high - self.low < math.inf:
             raise ValueError(
                 f"control {self.name!r}: rest {self.rest} is not within {self.low} to {self.high}"
             )

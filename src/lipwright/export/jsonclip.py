@@ -105,10 +105,12 @@ def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[floa
     """The clip of checked fields.
 
     Raises:
-        LipwrightError: names repeat, or a value is too large.
+        LipwrightError: a name is empty or repeats, or a value is too large.
     """
     seen: set[str] = set()
-    for name in names:
+    for number, name in enumerate(names, 1):
+        if not name:
+            raise LipwrightError(f"{path}: control {number} has no name; name it or delete it")
         if name in seen:
             raise LipwrightError(f"{path}: the control {name[:40]!r} stands twice; delete one")
         seen.add(name)
