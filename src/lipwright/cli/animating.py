@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lipwright.cli.inputs import STDIN, read_text, recording
+from lipwright.cli.inputs import STDIN, piped_out, read_text, recording
 from lipwright.cli.progress import Report, progress_option, progress_report, say, warn
 from lipwright.engines import DEFAULT
 from lipwright.errors import LipwrightError
@@ -69,6 +68,8 @@ def _targets(out: tuple[str, ...], known: Iterable[str], suffix: str | None) -> 
         raise LipwrightError("standard output is named twice; give each output its own place")
     if STDIN in out and suffix is None:
         raise LipwrightError("standard output has no suffix; choose the format with --format")
+    if STDIN in out:
+        piped_out()
     return out
 
 
@@ -201,10 +202,15 @@ def _export(
         with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
             path = Path(folder) / f"out{suffix}"
             export_all([path], result.performance, format=suffix, options=options)
-            sys.stdout.buffer.write(path.read_bytes())
-            sys.stdout.buffer.flush()
+            _send(path)
     if files:
         export_all(files, result.performance, format=suffix, options=options)
+
+
+def _send(path: Path) -> None:
+    out = piped_out()
+    out.write(path.read_bytes())
+    out.flush()
 
 
 @click.command(epilog=ALIGN_EXAMPLES)
@@ -264,5 +270,4 @@ def _write_track(target: str, alignment: Alignment, suffix: str | None) -> None:
     with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
         path = Path(folder) / f"out{suffix}"
         write_track(path, alignment.track, suffix)
-        sys.stdout.buffer.write(path.read_bytes())
-        sys.stdout.buffer.flush()
+        _send(path)

@@ -9,12 +9,35 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from lipwright.errors import LipwrightError
 
 STDIN = "-"
 MAX_TEXT = 32 * 1024 * 1024  # bytes; some forty times what is said in a day
 _TEXT_SUFFIXES = frozenset((".txt", ".text", ".lab", ".trn", ".md"))
+
+
+def piped_in() -> BinaryIO:
+    """Standard input.
+
+    Raises:
+        LipwrightError: it is closed.
+    """
+    if sys.stdin is None:
+        raise LipwrightError("standard input is closed; name a file")
+    return sys.stdin.buffer
+
+
+def piped_out() -> BinaryIO:
+    """Standard output.
+
+    Raises:
+        LipwrightError: it is closed.
+    """
+    if sys.stdout is None:
+        raise LipwrightError("standard output is closed; name a file")
+    return sys.stdout.buffer
 
 
 @contextmanager
@@ -26,7 +49,7 @@ def recording(speech: str) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
         path = Path(folder) / "standard-input"
         with path.open("wb") as file:
-            shutil.copyfileobj(sys.stdin.buffer, file)
+            shutil.copyfileobj(piped_in(), file)
         yield path
 
 
@@ -57,7 +80,7 @@ def read_text(text: str) -> tuple[str, str]:
         LipwrightError: the file is missing, too long or not text.
     """
     if text == STDIN:
-        return _decode(sys.stdin.buffer.read(MAX_TEXT), "standard input"), "standard input"
+        return _decode(piped_in().read(MAX_TEXT), "standard input"), "standard input"
     try:
         is_folder = Path(text).is_dir()
         is_file = Path(text).exists() and not is_folder  # a pipe too, as of <(echo hello)
