@@ -575,3 +575,15 @@ def test_closed_standard_error_changes_nothing_but_the_words(tmp_path: Path, tra
     )
     assert run.returncode == 0
     assert (tmp_path / "a.csv").read_bytes().startswith(b"time,")
+
+
+def test_sound_from_a_named_pipe_is_read_once_and_used_twice(tmp_path: Path, track: Path) -> None:
+    pipe = tmp_path / "sound"
+    os.mkfifo(pipe)
+    writer = subprocess.Popen(["/bin/sh", "-c", f"cat {HELLO} > {pipe}"])
+    run = lipwright("animate", pipe, "--phones", track, "-o", tmp_path / "a.glb")
+    writer.wait()
+    if b"head install" in run.stderr:
+        pytest.skip("the head is not installed")
+    assert run.returncode == 0, run.stderr.decode()
+    assert read_audio(tmp_path / "a.wav").duration == pytest.approx(read_audio(HELLO).duration)

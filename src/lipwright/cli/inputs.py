@@ -43,14 +43,26 @@ def piped_out() -> BinaryIO:
 @contextmanager
 def recording(speech: str) -> Iterator[Path]:
     """The path of a recording; what comes through a pipe is kept in a file meanwhile."""
-    if speech != STDIN:
+    if speech != STDIN and not _is_pipe(speech):
         yield Path(speech)
         return
     with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
         path = Path(folder) / "standard-input"
         with path.open("wb") as file:
-            shutil.copyfileobj(piped_in(), file)
+            if speech == STDIN:
+                shutil.copyfileobj(piped_in(), file)
+            else:
+                with Path(speech).open("rb") as pipe:
+                    shutil.copyfileobj(pipe, file)
         yield path
+
+
+def _is_pipe(speech: str) -> bool:
+    """Whether it can be read only once, as <(sox ...); the aligner and a video want its sound."""
+    try:
+        return Path(speech).is_fifo()
+    except OSError:  # no such name can be; opening it will tell
+        return False
 
 
 def _decode(data: bytes, name: str) -> str:
