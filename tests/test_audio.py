@@ -82,6 +82,7 @@ MAKERS: dict[str, Callable[[Path], None]] = {
     "video.mp4": lambda path: by_av(path, "aac", 44100, video=True),
     "video.mov": lambda path: by_av(path, "aac", 48000, video=True, movflags="faststart"),
     "video.mkv": lambda path: by_av(path, "aac", 48000, video=True),
+    "video.avi": lambda path: by_av(path, "pcm_s16le", 44100, video=True),
     "sound.webm": lambda path: by_av(path, "libopus", 48000),
     "sound.aac": lambda path: by_av(path, "aac", 44100),
 }

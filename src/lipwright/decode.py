@@ -201,7 +201,7 @@ def _av_blocks(file: IO[bytes], name: str) -> Iterator[tuple[int, Block]]:
     import av
 
     av.logging.set_level(av.logging.PANIC)  # libav writes to standard error otherwise
-    marked = _has_mp3_length(file)
+    marked, short = _has_mp3_length(file), _is_short_avi(file)
     file.seek(0)
     try:
         container = av.open(
@@ -215,7 +215,19 @@ def _av_blocks(file: IO[bytes], name: str) -> Iterator[tuple[int, Block]]:
     with container:
         if not container.streams.audio:
             raise LipwrightError(f"{name}: has no sound; name a file with a sound track")
+        if short:
+            raise _cut_off(name, (container.duration or 0) / 1e6)
         yield from _av_stream(container, name, marked)
+
+
+def _is_short_avi(file: IO[bytes]) -> bool:
+    """Whether an AVI file is shorter than it says; libav takes what is there for all of it."""
+    size = file.seek(0, 2)
+    file.seek(0)
+    head = file.read(12)
+    promised = int.from_bytes(head[4:8], "little")
+    is_avi = head.startswith(b"RIFF") and head.endswith(b"AVI ")
+    return is_avi and promised not in _STREAMED and promised + 8 > size
 
 
 def _has_mp3_length(file: IO[bytes]) -> bool:
