@@ -685,3 +685,13 @@ class TestMp4:
     def test_a_whole_number_of_frames_gains_none(self, duration: float) -> None:
         sound = Audio(np.zeros(round(duration * 48_000), np.float32), 48_000)
         assert mp4.frame_count(CLIP, 30.0, sound) == int(np.ceil(round(duration * 30, 4)))
+
+
+def test_one_file_may_be_named_without_a_list_and_a_nul_in_a_name_is_refused(
+    tmp_path: Path,
+) -> None:
+    clip = Clip(("jawOpen",), 30.0, np.zeros((3, 1)))
+    export_all(str(tmp_path / "a.csv"), Performance(clip))
+    assert (tmp_path / "a.csv").is_file()
+    with pytest.raises(LipwrightError, match="cannot be written"):
+        export_all([tmp_path / "a\0b.csv"], Performance(clip))

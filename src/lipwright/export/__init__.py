@@ -95,7 +95,7 @@ def export_clip(
 
 
 def export_all(
-    paths: Iterable[PathLike],
+    paths: PathLike | Iterable[PathLike],
     performance: Performance,
     *,
     format: str | None = None,  # noqa: A002  # as the command line calls it
@@ -107,7 +107,7 @@ def export_all(
     were.
 
     Args:
-        paths: the files; older ones are replaced.
+        paths: the files, or one file; older ones are replaced.
         performance: what to write.
         format: a suffix of `known_exports` for all files, where theirs do not say it.
         options: choices of single formats.
@@ -117,6 +117,7 @@ def export_all(
             same, one is the recording itself, or one cannot be written.
     """
     options = options or ExportOptions()
+    paths = [paths] if isinstance(paths, str | os.PathLike) else paths
     outputs: list[Output] = []
     for path in map(Path, paths):
         exporter = by_suffix(EXPORTERS, path, format, "export")
@@ -152,11 +153,11 @@ def check_targets(
     inputs = tuple(inputs)
     seen: set[Path] = set()
     for path in map(Path, paths):
+        _check_target(path)
         place = Path(os.path.realpath(path))  # links are followed when files are written
         if place in seen:
             raise LipwrightError(f"{path}: two outputs have this name; give each its own")
         seen.add(place)
-        _check_target(path)
         if recording is not None and _is_same(path, Path(recording)):
             raise LipwrightError(f"{path}: is the recording itself; name another output")
         if any(_is_same(path, Path(other)) for other in inputs):
@@ -183,8 +184,8 @@ def _check_target(path: Path) -> None:
         # Permissions alone do not tell: the file system may be read-only, the user root.
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".lipwright-"):
             pass
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = getattr(error, "strerror", None) or str(error)
         raise LipwrightError(f"{path}: cannot be written: {reason}; name another file") from error
 
 
