@@ -18,7 +18,9 @@ import pytest
 
 from lipwright.audio import Audio, read_audio, write_wav
 from lipwright.cli import run as run_here
+from lipwright.errors import LipwrightError
 from lipwright.formats import read_track, write_track
+from lipwright.pipeline import animate
 from lipwright.track import PhoneTrack
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -587,3 +589,10 @@ def test_sound_from_a_named_pipe_is_read_once_and_used_twice(tmp_path: Path, tra
         pytest.skip("the head is not installed")
     assert run.returncode == 0, run.stderr.decode()
     assert read_audio(tmp_path / "a.wav").duration == pytest.approx(read_audio(HELLO).duration)
+
+
+def test_a_phone_track_longer_than_the_sound_is_refused_like_the_file_of_one(track: Path) -> None:
+    longer = read_track(track).padded(0.0, 60.0)
+    longer = PhoneTrack((*longer.phones[:-1], "AA"), longer.edges)
+    with pytest.raises(LipwrightError, match=r"phone 7 .* past the end of the sound \(9\.300 s\)"):
+        animate(HELLO, phones=longer)

@@ -16,6 +16,7 @@ from lipwright.engines import DEFAULT, get_engine
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import Performance
 from lipwright.formats import read_track
+from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
 from lipwright.passes import Pass, apply_passes, default_passes
 from lipwright.rig import canonical_rig
@@ -185,7 +186,8 @@ def animate(
             found = align_sound(sound, text, alignment, text_source, report)
             track = found.track
         elif isinstance(phones, PhoneTrack):
-            track = phones.padded(0.0, sound.duration)
+            places = [f"phone {number}" for number in range(1, len(phones) + 1)]
+            track = fit_track("phones", phones, places, sound.duration)
         else:
             assert phones is not None  # checked above
             track = read_track(phones, duration=sound.duration)
