@@ -596,3 +596,19 @@ def test_a_phone_track_longer_than_the_sound_is_refused_like_the_file_of_one(tra
     longer = PhoneTrack((*longer.phones[:-1], "AA"), longer.edges)
     with pytest.raises(LipwrightError, match=r"phone 7 .* past the end of the sound \(9\.300 s\)"):
         animate(HELLO, phones=longer)
+
+
+@pytest.mark.parametrize("fps", ["0.09", "1e-9", "nan"])
+def test_a_rate_too_slow_for_any_clock_is_refused(fps: str, tmp_path: Path, track: Path) -> None:
+    run = lipwright("animate", HELLO, "--phones", track, "--fps", fps, "-o", tmp_path / "a.mp4")
+    assert_refused(run, "fps is", "from 0.1 to 1000")
+
+
+def test_an_empty_name_is_told_to_be_one(tmp_path: Path) -> None:
+    run = lipwright("align", "", "--text", "hello", "-o", tmp_path / "a.ctm")
+    assert_refused(run, "empty name")
+
+
+def test_a_missing_wheel_is_named_once(tmp_path: Path) -> None:
+    run = lipwright("head", "install", "--wheel", tmp_path / "no.whl")
+    assert_refused(run, f"lipwright: {tmp_path / 'no.whl'}: No such file or directory; fetch")

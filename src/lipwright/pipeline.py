@@ -28,6 +28,7 @@ Report = Callable[[str, float], None]
 """called with the stage's name and the share of it that is done, 0 to 1"""
 
 ALIGNMENT_RATE = 16000  # Hz, what the aligner hears
+MIN_FPS = 0.1  # a slower clip has no motion, and a video no clock for it
 MOST_WORDS = 20.0  # a second of sound; the fastest speakers reach 11
 SPARE_WORDS = 100  # for notes and marks that are not said
 
@@ -52,7 +53,7 @@ class AnimateOptions:
 
     engine: str = DEFAULT
     fps: float = 60.0
-    """frames a second, above 0 and at most 1000"""
+    """frames a second, 0.1 to 1000"""
     intensity: float = 1.0
     """0.5 mumbles, 1.5 over-articulates"""
     passes: tuple[Pass, ...] | None = None
@@ -60,9 +61,9 @@ class AnimateOptions:
 
     def __post_init__(self) -> None:
         """Check."""
-        if not 0 < self.fps <= MAX_FPS:
+        if not MIN_FPS <= self.fps <= MAX_FPS:
             raise LipwrightError(
-                f"fps is {self.fps:g}; give a number above 0 and at most {MAX_FPS:.0f}"
+                f"fps is {self.fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}"
             )
         if self.passes is None:
             default_passes(self.intensity)  # refuses what it cannot use

