@@ -96,10 +96,14 @@ def _named(path: Path, speech: str) -> Iterator[None]:
 
 
 def _report_misfits(alignment: Alignment, progress: str) -> None:
+    track = alignment.track
+    kept = {(word.text, round(track.word_span(word)[0], 2)) for word in track.words}
     for misfit in alignment.misfits:
+        is_kept = (misfit.text, round(misfit.start, 2)) in kept
+        outcome = "something else is said there" if is_kept else "it was left out"
         warn(
             f"{(misfit.written or misfit.text)[:40]!r} does not fit the sound at "
-            f"{misfit.start:.2f} to {misfit.end:.2f} s (score {misfit.score:.1f}); it was left out",
+            f"{misfit.start:.2f} to {misfit.end:.2f} s (score {misfit.score:.1f}); {outcome}",
             progress,
         )
 

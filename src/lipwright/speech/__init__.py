@@ -51,6 +51,8 @@ def align(
         LipwrightError: no such aligner or language, no words, silence, or words that do not fit.
     """
     backend = get_aligner(aligner)
+    if not backend.is_available():
+        raise LipwrightError(f"aligner {aligner!r} is not installed; run: pip install lipwright")
     if language not in backend.languages():
         raise LipwrightError(
             f"aligner {aligner!r} knows no {language!r}; it knows: {', '.join(backend.languages())}"
