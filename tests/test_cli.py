@@ -156,6 +156,12 @@ def test_words_that_do_not_fit_are_warned_about_with_time_and_score(tmp_path: Pa
     assert any("marmalade" in line and " s (score " in line for line in warnings)
 
 
+def test_speech_without_words_is_warned_about_with_its_time(tmp_path: Path) -> None:
+    run = lipwright("align", HELLO, "--text", "hello", "-o", tmp_path / "a.TextGrid")
+    assert run.returncode == 0, run.stderr.decode()
+    assert b" s has no words" in run.stderr
+
+
 @pytest.mark.parametrize("command", ["animate", "align"])
 @pytest.mark.parametrize(
     ("name", "content", "needle"),

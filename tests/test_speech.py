@@ -266,6 +266,20 @@ def test_a_word_that_is_said_but_not_written_moves_nothing():
 
 
 @needs_corpora
+@pytest.mark.parametrize("name", ["msajc003", "msajc012", "msajc022", "msajc057"])
+def test_speech_that_the_text_lacks_is_reported_and_only_that(name: str):
+    sound, text = sentence(name)
+    whole = align(sound, words_of(text))
+    assert whole.unwritten == ()
+    words = text.split()
+    half = align(sound, words_of(" ".join(words[: len(words) // 2])))
+    ((start, end),) = half.unwritten
+    said = whole.track.word_span(whole.track.words[len(words) // 2])[0]
+    assert start == pytest.approx(said, abs=0.15)
+    assert end == pytest.approx(whole.track.word_span(whole.track.words[-1])[1], abs=0.3)
+
+
+@needs_corpora
 def test_words_after_the_end_are_reported_each():
     sound, text = sentence("msajc003")
     found = align(sound, words_of(f"{text} {EXTRA}"))

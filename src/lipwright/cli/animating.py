@@ -106,6 +106,12 @@ def _report_misfits(alignment: Alignment, progress: str) -> None:
             f"{misfit.start:.2f} to {misfit.end:.2f} s (score {misfit.score:.1f}); {outcome}",
             progress,
         )
+    for start, end in alignment.unwritten:
+        warn(
+            f"speech at {start:.2f} to {end:.2f} s has no words, and the mouth is shut there; "
+            "add its words to the text",
+            progress,
+        )
 
 
 def _summary(path: str, duration: float, phones: int, words: int) -> str:

@@ -41,6 +41,8 @@ class Alignment:
     confidence, only where something else is said in its place"""
     misfits: tuple[Misfit, ...] = ()
     """in the order of the transcript"""
+    unwritten: tuple[tuple[float, float], ...] = ()
+    """start and end in s of what seems to be speech and has no words; `sil` in the track"""
 
 
 class Aligner(Protocol):

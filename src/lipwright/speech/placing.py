@@ -47,7 +47,11 @@ def to_alignment(judged: Judged, rows: Sequence[SpokenRow], sound: Sound) -> Ali
     if judged.share < LEAST_SHARE and len(misfits) >= MOST_MISFITS * len(rows):
         raise _other_text(misfits, rows[min(judged.misfits)].word, len(rows), sound)
     words = [judged.placed[index] for index in sorted(judged.placed)]
-    return Alignment(_track(words, rows, judged.allowance, sound.duration), misfits)
+    unwritten = tuple(
+        (_seconds(start, sound.duration), _seconds(stop, sound.duration))
+        for start, stop in judged.unwritten
+    )
+    return Alignment(_track(words, rows, judged.allowance, sound.duration), misfits, unwritten)
 
 
 def _other_text(

@@ -19,6 +19,8 @@ _LOOSE: Final = Costs(
 )  # no word is left out, other speech is cheap
 _USUAL_FRAMES: Final = 8  # of a phone
 _LEAST_SPOKEN: Final = 0.5  # share of a misfit's frames that are speech, to stay in the track
+_PAUSE: Final = 50  # frames, the longest pause inside one stretch of speech without words
+_MUCH: Final = 60  # frames of speech without words that are worth a warning: two or three words
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,8 @@ class Judged:
     """added to scores, for the noise of the recording"""
     share: float
     """0 to 1, how much of what is said and of what is written the fitting words are"""
+    unwritten: list[tuple[int, int]]
+    """frames of speech that no word was placed in, from and to"""
 
 
 class Judge:
@@ -62,7 +66,8 @@ class Judge:
         found: dict[int, tuple[int, int, float | None]] = {}
         for run in _runs(misfits, 1):
             self._place_misfits(run, fitting, found)
-        return Judged(self.placed, found, self.allowance, self._share(found))
+        share, unwritten = self._share(found), self._unwritten()
+        return Judged(self.placed, found, self.allowance, share, unwritten)
 
     def _free_neighbours(self, run: list[int], fitting: list[int]) -> None:
         """Align the words around misfits again, as if the misfits were not in the transcript."""
@@ -124,6 +129,17 @@ class Judge:
             _USUAL_FRAMES * len(row.phones[0]) for i, row in enumerate(self.rows) if i in misfits
         )
         return float(fitting.sum() / max(fitting.sum() + other + missing, 1))
+
+    def _unwritten(self) -> list[tuple[int, int]]:
+        """Speech of no word, across the short pauses in it, where there is much of it."""
+        free = self.other.copy()
+        for word in self.placed.values():
+            free[word.start : word.stop] = False
+        return [
+            (run[0], run[-1] + 1)
+            for run in _runs(np.flatnonzero(free).tolist(), _PAUSE)
+            if len(run) >= _MUCH
+        ]
 
     def _search(
         self, words: Sequence[int], start: int, stop: int, costs: Costs
