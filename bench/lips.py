@@ -121,7 +121,7 @@ def main() -> None:
     for line in failures:
         print("  " + line)
     head_line = ("r", "r_median", "r_best_lag", "lag_ms", "closures", "closures_real",
-                 "false_closures_per_s", "silence")  # fmt: skip
+                 "false_closures_per_s", "mistimed_closures_per_s", "silence")  # fmt: skip
     print(f"{'engine':12} {'head':11}", *(f"{name[:14]:>14}" for name in head_line))
     for engine, by_head in figures.items():
         for head, row in by_head.items():

@@ -18,6 +18,7 @@ from lipwright.evaluate.lips import (
     correlation,
     evaluate,
     false_closures,
+    mistimed_closures,
     pool,
     real_closures,
     silence_share,
@@ -248,6 +249,13 @@ class TestFalseClosures:
         assert false_closures(real, shut_at(FINE, [(1.2, 1.4)]), SPEECH) == 0
         assert false_closures(real, shut_at(FINE, [(1.45, 1.55)]), SPEECH) == 1
 
+    def test_what_is_shut_too_long_is_mistimed_and_not_false(self) -> None:
+        real = shut_at(VIDEO, [(1.25, 1.35)], 0.02)
+        for span, count in (((1.29, 1.31), 0), ((1.29, 1.6), 1), ((1.1, 1.6), 2)):
+            estimate = shut_at(FINE, [span])
+            assert mistimed_closures(real, estimate, SPEECH) == count
+            assert false_closures(real, estimate, SPEECH) == 0
+
     def test_nearly_shut_is_not_shut(self) -> None:
         for share, count in ((0.09, 1), (0.11, 0)):
             estimate = shut_at(FINE, [(1.3, 1.4)], share * 0.2)
@@ -295,12 +303,13 @@ class TestScores:
         )  # fmt: skip
 
     ONE = LipScore(r=0.5, r_best_lag=0.6, lag=0.02, closures_hit=1, closures_real=2,
-                   false_closures=1, speech=2.0, silence=0.1)  # fmt: skip
+                   false_closures=1, speech=2.0, silence=0.1, mistimed_closures=2)  # fmt: skip
 
     def test_pooling_one_recording_gives_its_figures(self) -> None:
         assert pool([self.ONE]) == {
             "recordings": 1, "r": 0.5, "r_median": 0.5, "r_best_lag": 0.6, "lag_ms": 20,
-            "closures_real": 2, "closures": 0.5, "false_closures_per_s": 0.5, "silence": 0.1,
+            "closures_real": 2, "closures": 0.5, "false_closures_per_s": 0.5,
+            "mistimed_closures_per_s": 1.0, "silence": 0.1,
         }  # fmt: skip
 
     def test_shares_and_rates_are_of_all_counts_and_the_rest_is_the_mean(self) -> None:

@@ -170,14 +170,36 @@ def false_closures(
 
     They stay open if they never come near closing all the while that the estimate is shut.
     """
-    start, end = speech_span(track)
-    times = np.arange(start, end, 0.005)
+    shut, is_open = _shut_and_open(reference_aperture, estimated_aperture, track)
+    return sum(bool(is_open[first:last].all()) for first, last in _long_runs(shut))
+
+
+def mistimed_closures(
+    reference_aperture: Aperture, estimated_aperture: Aperture, track: PhoneTrack
+) -> int:
+    """How often, in speech, the estimate is shut and the real lips are open for 30 ms or more.
+
+    Besides the false closures these are real ones that come too early, too late or too long.
+    """
+    shut, is_open = _shut_and_open(reference_aperture, estimated_aperture, track)
+    return len(_long_runs(shut & is_open))
+
+
+_STEP = 0.005  # s between the instants at which shut and open lips are compared
+
+
+def _shut_and_open(
+    reference_aperture: Aperture, estimated_aperture: Aperture, track: PhoneTrack
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Whether the estimate is shut, and whether the real lips are open, all through speech."""
+    times = np.arange(*speech_span(track), _STEP)
     shut = estimated_aperture.at(times) < SHUT * estimated_aperture.loud
-    is_open = reference_aperture.at(times) > OPEN * reference_aperture.loud
-    needed = round(FALSE_CLOSURE_MIN / 0.005)
-    return sum(
-        last - first >= needed and bool(is_open[first:last].all()) for first, last in _runs(shut)
-    )
+    return shut, reference_aperture.at(times) > OPEN * reference_aperture.loud
+
+
+def _long_runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    needed = round(FALSE_CLOSURE_MIN / _STEP)
+    return [(first, last) for first, last in _runs(mask) if last - first >= needed]
 
 
 def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float = 0.0) -> float:
@@ -215,6 +237,8 @@ class LipScore:
     speech: float
     """s, from the first phone to the last"""
     silence: float
+    mistimed_closures: int = 0
+    """the false ones among them"""
     """mean aperture in silence over the 95th percentile; NaN without silence"""
 
 
@@ -234,6 +258,7 @@ def evaluate(
         false_closures=false_closures(reference_aperture, estimated_aperture, track),
         speech=end - start,
         silence=silence_share(estimated_aperture, track),
+        mistimed_closures=mistimed_closures(reference_aperture, estimated_aperture, track),
     )
 
 
@@ -249,6 +274,7 @@ def pool(scores: list[LipScore]) -> dict[str, float]:
         raise ValueError("no recordings to pool")
     rs = [score.r for score in scores]
     real = sum(score.closures_real for score in scores)
+    speech = sum(score.speech for score in scores)
     return {
         "recordings": len(scores),
         "r": _mean(rs),
@@ -257,7 +283,7 @@ def pool(scores: list[LipScore]) -> dict[str, float]:
         "lag_ms": 1000 * _mean([score.lag for score in scores]),
         "closures_real": real,
         "closures": sum(score.closures_hit for score in scores) / real if real else float("nan"),
-        "false_closures_per_s": sum(score.false_closures for score in scores)
-        / sum(score.speech for score in scores),
+        "false_closures_per_s": sum(score.false_closures for score in scores) / speech,
+        "mistimed_closures_per_s": sum(score.mistimed_closures for score in scores) / speech,
         "silence": _mean([score.silence for score in scores]),
     }
