@@ -244,7 +244,7 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
                  "mouthFunnel": ("at_most", 0.1)}),
     # When the real lips are shut, against the aligned phones of 1,144 closures of GRID speaker 1.
     Requirement(("M", "EM"), "Mat", SHUT, (0.6, 0.9), 0.5, 0.5),
-    Requirement(("P", "B"), "Put", SHUT, (0.3, 0.5), 0.4, 0.4, longest=0.1, early=0.03),
+    Requirement(("P", "B"), "Put", SHUT, (0.3, 0.5), 0.3, 0.3, longest=0.1, early=0.03),
 )  # fmt: skip
 
 
