@@ -49,11 +49,7 @@ def ruler_head(corpora: Path = CORPORA) -> Ruler:
     resting = float(_frontal_aperture(neutral[None])[0])
 
     def measure(clip: Clip) -> npt.NDArray[np.float64]:
-        weights = (
-            clip.select(targets).values
-            if len(set(targets)) == len(targets)
-            else (np.stack([clip.select([n]).values[:, 0] for n in targets], axis=1))
-        )
+        weights = np.stack([clip.select([n]).values[:, 0] for n in targets], axis=1)
         points = neutral + np.einsum("tc,cpx->tpx", weights.astype(float), deltas)
         return np.maximum(_frontal_aperture(points) - resting, 0)
 

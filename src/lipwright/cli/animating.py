@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lipwright.export import ExportOptions
     from lipwright.pipeline import AlignOptions, Result
     from lipwright.speech import Alignment
+    from lipwright.track import PhoneTrack
 
 ANIMATE_EXAMPLES = """\b
 Examples:
@@ -114,9 +115,13 @@ def _report_misfits(alignment: Alignment, progress: str) -> None:
         )
 
 
-def _summary(path: str, duration: float, phones: int, words: int) -> str:
-    name = "standard output" if path == STDIN else path
-    return f"{name}: {duration:.1f} s, {phones} phones, {words} words"
+def _say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> None:
+    """A line for each output; programs that read JSON lines know what they asked for."""
+    if progress == "json":
+        return
+    for target in targets:
+        name = "standard output" if target == STDIN else target
+        say(f"{name}: {track.end:.1f} s, {len(track)} phones, {len(track.words)} words")
 
 
 @click.command(epilog=ANIMATE_EXAMPLES)
@@ -184,10 +189,7 @@ def animate(
         _export(result, targets, _suffix(format), show)
     if result.alignment is not None:
         _report_misfits(result.alignment, progress)
-    if progress != "json":
-        track = result.track
-        for target in targets:
-            say(_summary(target, track.end, len(track), len(track.words)))
+    _say_done(targets, result.track, progress)
 
 
 def _export_options(size: str, title: str) -> ExportOptions:
@@ -209,18 +211,22 @@ def _export(
 
     files = [target for target in targets if target != STDIN]
     if STDIN in targets:
-        with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
-            path = Path(folder) / f"out{suffix}"
-            export_all([path], result.performance, format=suffix, options=options)
-            _send(path)
+        _pipe(
+            suffix,
+            lambda path: export_all([path], result.performance, format=suffix, options=options),
+        )
     if files:
         export_all(files, result.performance, format=suffix, options=options)
 
 
-def _send(path: Path) -> None:
-    out = piped_out()
-    out.write(path.read_bytes())
-    out.flush()
+def _pipe(suffix: str | None, write: Callable[[Path], None]) -> None:
+    """Write a file that nobody keeps, and send it to standard output."""
+    with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
+        path = Path(folder) / f"out{suffix}"
+        write(path)
+        out = piped_out()
+        out.write(path.read_bytes())
+        out.flush()
 
 
 @click.command(epilog=ALIGN_EXAMPLES)
@@ -256,10 +262,7 @@ def align(
     for target in targets:
         _write_track(target, alignment, _suffix(format))
     _report_misfits(alignment, progress)
-    if progress != "json":
-        track = alignment.track
-        for target in targets:
-            say(_summary(target, track.end, len(track), len(track.words)))
+    _say_done(targets, alignment.track, progress)
 
 
 def _align(
@@ -276,8 +279,5 @@ def _write_track(target: str, alignment: Alignment, suffix: str | None) -> None:
 
     if target != STDIN:
         write_track(target, alignment.track, suffix)
-        return
-    with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
-        path = Path(folder) / f"out{suffix}"
-        write_track(path, alignment.track, suffix)
-        _send(path)
+    else:
+        _pipe(suffix, lambda path: write_track(path, alignment.track, suffix))
