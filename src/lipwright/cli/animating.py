@@ -198,10 +198,7 @@ def _export_options(size: str, title: str) -> ExportOptions:
     width, _, height = size.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise LipwrightError(f"--size {size!r} is not WIDTHxHEIGHT in pixels, such as 512x512")
-    try:
-        return ExportOptions(size=(int(width), int(height)), title=title)
-    except ValueError as error:
-        raise LipwrightError(f"--size {size!r}: {error}") from error
+    return ExportOptions(size=(int(width), int(height)), title=title)
 
 
 def _export(

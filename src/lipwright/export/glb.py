@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
-from lipwright.export.performance import ExportOptions, Output, Performance
+from lipwright.export.performance import ExportOptions, Output, Performance, prepare_head
 from lipwright.export.sidecar import sound_outputs
 from lipwright.face.png import encode_png
 
@@ -33,17 +33,8 @@ TURNS: Final = 1e-3  # smaller changes of a unit normal are not seen and not sto
 
 
 def prepare() -> None:
-    """Find out before long work whether the head and the packages are there.
-
-    Raises:
-        LipwrightError: no head is installed.
-        ImportError: no pygltflib is installed.
-    """
-    import pygltflib  # noqa: F401  # imported again where it is used
-
-    from lipwright.face.head import load_head
-
-    load_head()
+    """Find out before long work whether the head and pygltflib are there."""
+    prepare_head("pygltflib")
 
 
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:

@@ -22,7 +22,7 @@ from lipwright.audio import Audio, Sound
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.export.glb import check_controls
-from lipwright.export.performance import ExportOptions, Output, Performance
+from lipwright.export.performance import ExportOptions, Output, Performance, prepare_head
 
 if TYPE_CHECKING:
     from av.container import OutputContainer
@@ -37,17 +37,8 @@ BT709: Final = 1  # ITU-T H.273: primaries, transfer and matrix of BT.709
 
 
 def prepare() -> None:
-    """Find out before long work whether the head and the packages are there.
-
-    Raises:
-        LipwrightError: no head is installed.
-        ImportError: no av is installed.
-    """
-    import av  # noqa: F401  # imported again where it is used
-
-    from lipwright.face.head import load_head
-
-    load_head()
+    """Find out before long work whether the head and av are there."""
+    prepare_head("av")
 
 
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:

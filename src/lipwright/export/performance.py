@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -103,3 +104,16 @@ def text_output(path: Path, make_lines: Callable[[], Iterable[str]]) -> Output:
             file.writelines(make_lines())
 
     return Output(path, write)
+
+
+def prepare_head(package: str) -> None:
+    """Find out before long work whether the head, and the package that writes it, are there.
+
+    Raises:
+        LipwrightError: no head is installed.
+        ImportError: the package is not installed.
+    """
+    from lipwright.face.head import load_head
+
+    import_module(package)
+    load_head()
