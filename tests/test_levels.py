@@ -26,7 +26,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("wheels", "decode"),
             ("audio", "track", "clip"),
             ("formats", "language", "face"),
-            ("network", "speech"),
+            ("network", "speech", "dataset"),
             ("engines",),
             ("passes",),
             ("rig", "retarget"),
@@ -43,7 +43,7 @@ SURFACES = LEVEL["cli"]
 # Offline work beside the levels: it imports units of the levels below the surfaces, and only the
 # surfaces import it. The values are what it must not import although the levels would allow it.
 SIDE = {
-    "capture": frozenset(("pipeline", "engines")),
+    "capture": frozenset(),
     "evaluate": frozenset(("pipeline", "engines", "passes", "export", "speech")),
     "train": frozenset(),
     "survey": frozenset(),

@@ -1,0 +1,1 @@
+"""Datasets: recordings of speaking faces, as folders of open files."""
