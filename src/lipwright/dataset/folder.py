@@ -112,7 +112,7 @@ class Dataset:
         Raises:
             LipwrightError: the file cannot be written.
         """
-        named = {key: np.asarray(value) for key, value in arrays.items()}
+        named: dict[str, Any] = {key: np.asarray(value) for key, value in arrays.items()}
         assert not any(array.dtype.hasobject for array in named.values())  # would be a pickle
         with write_whole(self.folder(name) / FACE_FILE) as part:
             np.savez_compressed(part, **named)
