@@ -299,13 +299,26 @@ def write_wav(path: str | os.PathLike[str], sound: Sound) -> None:
     Raises:
         LipwrightError: the target cannot be written.
     """
+    _write_pcm(path, sound, "WAV")
+
+
+def write_flac(path: str | os.PathLike[str], sound: Sound) -> None:
+    """The same as FLAC, in about half the bytes.
+
+    Raises:
+        LipwrightError: the target cannot be written.
+    """
+    _write_pcm(path, sound, "FLAC")
+
+
+def _write_pcm(path: str | os.PathLike[str], sound: Sound, container: str) -> None:
     import soundfile
 
     with write_whole(path) as part:
         try:
-            with soundfile.SoundFile(part, "w", sound.rate, 1, "PCM_16", format="WAV") as wav:
+            with soundfile.SoundFile(part, "w", sound.rate, 1, "PCM_16", format=container) as file:
                 for block in sound.blocks():
-                    wav.write(block.samples)
+                    file.write(block.samples)
         except soundfile.LibsndfileError as error:
             raise OSError(errno.EIO, str(error)) from error
 

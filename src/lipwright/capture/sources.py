@@ -1,0 +1,230 @@
+"""What there is to capture: faces with their sound, words and phones, matched by stem."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from lipwright.dataset.recording import is_safe_name
+from lipwright.errors import LipwrightError
+from lipwright.formats import TRACK_FORMATS
+
+VIDEOS: Final = (
+    ".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".wmv", ".flv", ".mts",
+    ".m2ts", ".ts", ".3gp", ".3g2", ".ogv", ".mxf",
+)  # fmt: skip
+ARKIT_FILES: Final = (".csv", ".json")
+SOUNDS: Final = (".flac", ".wav", ".mp3", ".m4a", ".aac", ".ogg", ".opus", ".aif", ".aiff", ".wma")
+WORDS: Final = (".txt", ".lab", ".trn")
+SEPARATORS: Final = "\t|"  # between name and words in a table of transcripts
+MAX_TRANSCRIPTS: Final = 64 << 20  # bytes of a file of transcripts
+
+
+@dataclass(frozen=True)
+class Source:
+    """One recording to capture."""
+
+    name: str
+    """stem of the face's file"""
+    face: Path
+    """a video, or ARKit weights as .csv or .json"""
+    audio: Path | None = None
+    """the sound where it is not in the video"""
+    text: str | None = None
+    """the words"""
+    text_source: str = "transcript"
+    """where they come from, for errors"""
+    phones: Path | None = None
+    """a phone track to use instead of words"""
+    problem: str | None = None
+    """why it cannot be captured, as one line"""
+
+    @property
+    def is_video(self) -> bool:
+        """Whether the face is still to be tracked."""
+        return self.face.suffix.lower() not in ARKIT_FILES
+
+
+def find_sources(
+    faces: Sequence[Path],
+    audio: Path | None = None,
+    transcripts: Path | None = None,
+    phones: Path | None = None,
+) -> list[Source]:
+    """The recordings that the user means, in the order of their names.
+
+    Args:
+        faces: videos and ARKit recordings, or folders of them.
+        audio: a sound file for one recording, or a folder of them.
+        transcripts: a text file for one recording, a table of names and words, or a folder.
+        phones: a phone track for one recording, or a folder of them.
+
+    Raises:
+        LipwrightError: nothing to capture, two recordings of one name, or an option that names
+            nothing.
+    """
+    files = [file for face in faces for file in _faces_in(face)]
+    if not files:
+        raise LipwrightError("nothing to capture; name videos, or folders with videos")
+    repeated = [stem for stem, count in Counter(file.stem for file in files).items() if count > 1]
+    if repeated:
+        twice = ", ".join(str(file) for file in files if file.stem == repeated[0])
+        raise LipwrightError(f"two recordings are named {repeated[0]!r}: {twice}; rename one")
+    for option, path in (("--audio", audio), ("--transcripts", transcripts), ("--phones", phones)):
+        if path is not None and not path.exists():
+            raise LipwrightError(f"{path}: no such file or folder; {option} names nothing")
+        if option != "--transcripts" and path is not None and path.is_file() and len(files) > 1:
+            raise LipwrightError(
+                f"{path}: one file cannot serve {len(files)} recordings; {option} takes a folder"
+            )
+    sounds = _Matches(audio, (*SOUNDS, *VIDEOS))
+    tracks = _Matches(phones, tuple(TRACK_FORMATS))
+    texts = _Transcripts(transcripts, files)
+    found = [_source(file, sounds, texts, tracks) for file in files]
+    return sorted(found, key=lambda source: source.name)
+
+
+def _faces_in(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    files = sorted(file for file in path.iterdir() if _is_visible(file))
+    faces = [file for file in files if file.suffix.lower() in VIDEOS]
+    return _with_takes(files, faces)
+
+
+def _with_takes(files: list[Path], videos: list[Path]) -> list[Path]:
+    """The videos of a folder, but a Live Link recording instead of the movie beside it."""
+    from lipwright.capture.livelink import find_sound, is_live_link
+
+    takes = [file for file in files if file.suffix.lower() == ".csv" and is_live_link(file)]
+    movies = {find_sound(take) for take in takes}
+    return [video for video in videos if video not in movies] + takes
+
+
+def _is_visible(file: Path) -> bool:
+    return file.is_file() and not file.name.startswith(".")
+
+
+class _Matches:
+    """The files of a folder by stem, or the one file that was named."""
+
+    def __init__(self, path: Path | None, suffixes: tuple[str, ...]) -> None:
+        self.path = path
+        self._by_stem: dict[str, Path] = {}
+        if path is not None and path.is_dir():
+            # The first suffix of the list wins where several files have one stem.
+            for suffix in reversed(suffixes):
+                for file in sorted(path.iterdir()):
+                    if _is_visible(file) and file.name.lower().endswith(suffix):
+                        self._by_stem[file.name[: -len(suffix)].casefold()] = file
+
+    def get(self, stem: str) -> Path | None:
+        if self.path is None or self.path.is_dir():
+            return self._by_stem.get(stem.casefold())
+        return self.path
+
+
+class _Transcripts:
+    """Words by stem: from a folder, a table, or the one file."""
+
+    def __init__(self, path: Path | None, faces: Sequence[Path]) -> None:
+        self.path = path
+        self._files = _Matches(path, WORDS)
+        self._lines: dict[str, tuple[str, str]] = {}
+        self._is_table = False
+        if path is not None and path.is_file():
+            self._read_table(path, {face.stem for face in faces})
+
+    def _read_table(self, path: Path, stems: set[str]) -> None:
+        for number, line in enumerate(_read(path).splitlines(), 1):
+            for separator in SEPARATORS:
+                name, found, words = line.partition(separator)
+                if found and (name.strip() in stems or Path(name.strip()).stem in stems):
+                    stem = name.strip() if name.strip() in stems else Path(name.strip()).stem
+                    # LJSpeech has the words as written and then as spoken.
+                    spoken = words.rsplit(separator, 1)[-1].strip()
+                    self._lines[stem] = (spoken, f"{path}: line {number}")
+                    break
+        self._is_table = bool(self._lines)
+        if not self._is_table and len(stems) > 1:
+            raise LipwrightError(
+                f"{path}: no line starts with a recording's name and a tab; give a folder of "
+                "NAME.txt, or a line `NAME<tab>words` for each"
+            )
+
+    def get(self, stem: str) -> tuple[str, str] | None:
+        """Words and where they are from; None without any.
+
+        Raises:
+            LipwrightError: the file cannot be read.
+        """
+        if self._is_table:
+            return self._lines.get(stem)
+        file = self._files.get(stem)
+        return None if file is None else (_read(file), str(file))
+
+    def missing(self, stem: str) -> str:
+        if self.path is None:
+            return "has no words; give them with --transcripts, or its phones with --phones"
+        if self._is_table:
+            return f"{self.path} has no line for {stem!r}; add `{stem}<tab>words`"
+        return f"{self.path} has no {stem}.txt; add it"
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.stat().st_size > MAX_TRANSCRIPTS:
+            raise LipwrightError(f"{path}: too long for a transcript; name a text file")
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise LipwrightError(f"{path}: line {line}: not UTF-8 text; save it as UTF-8") from error
+    except OSError as error:
+        raise LipwrightError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def _source(face: Path, sounds: _Matches, texts: _Transcripts, tracks: _Matches) -> Source:
+    stem = face.stem
+    phones = tracks.get(stem)
+    try:
+        audio = _sound(face, sounds)
+        text, text_source = (None, "") if phones is not None else _words(face, texts)
+    except LipwrightError as error:
+        return Source(stem, face, problem=str(error))
+    return Source(stem, face, audio, text, text_source, phones)
+
+
+def _sound(face: Path, sounds: _Matches) -> Path | None:
+    """The sound of a face; None where it is in the video."""
+    if not is_safe_name(face.stem):
+        raise LipwrightError(f"{face}: {face.stem!r} cannot name a recording; rename the file")
+    if not os.path.lexists(face):
+        raise LipwrightError(f"{face}: no such file; check the path")
+    audio = sounds.get(face.stem)
+    if sounds.path is not None and audio is None:
+        raise LipwrightError(f"{face}: {sounds.path} has no sound named {face.stem}; add it")
+    if audio is None and face.suffix.lower() in ARKIT_FILES:
+        return _sound_beside(face)
+    return audio
+
+
+def _words(face: Path, texts: _Transcripts) -> tuple[str, str]:
+    found = texts.get(face.stem)
+    if found is None:
+        raise LipwrightError(f"{face}: {texts.missing(face.stem)}")
+    return found
+
+
+def _sound_beside(face: Path) -> Path:
+    from lipwright.capture.livelink import find_sound
+
+    sound = find_sound(face)
+    if sound is None:
+        raise LipwrightError(
+            f"{face}: no movie or sound of that name beside it; name its folder with --audio"
+        )
+    return sound
