@@ -181,12 +181,14 @@ class Recording:
     info: dict[str, Any]
     """recording.json, as docs/dataset.md describes it"""
     folder: Path
+    start: float = 0.0
+    """s, when the picture begins on the clock of the sound"""
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
         """(T,), s, the middle of each frame on the clock of the sound."""
         frames = np.arange(len(self.motion), dtype=np.float64)
-        return (frames + 0.5) / self.motion.fps - self.offset
+        return (frames + 0.5) / self.motion.fps + self.start - self.offset
 
     @property
     def valid(self) -> npt.NDArray[np.bool_]:
@@ -240,19 +242,24 @@ def read_recording(folder: Path) -> Recording:
         LipwrightError: a file is missing or broken.
     """
     info = read_info(folder)
-    offset = info.get("offset", {})
-    seconds = offset.get("seconds", 0.0) if isinstance(offset, dict) else None
-    if isinstance(seconds, bool) or not isinstance(seconds, int | float):
-        raise LipwrightError(f"{folder / INFO_FILE}: the offset is not a number of s; {REMEDY}")
-    trusted = isinstance(offset, dict) and bool(offset.get("trusted", False))
+    offset: Any = info.get("offset")
+    is_trusted = isinstance(offset, dict) and offset.get("trusted") is True
     return Recording(
         name=info["name"],
         motion=load_motion(folder / MOTION_FILE),
         track=read_track(folder / PHONES_FILE),
-        offset=float(seconds) if trusted else 0.0,
+        offset=_seconds(folder, offset, "seconds") if is_trusted else 0.0,
         info=info,
         folder=folder,
+        start=_seconds(folder, info, "start"),
     )
+
+
+def _seconds(folder: Path, values: dict[str, Any], key: str) -> float:
+    seconds = values.get(key, 0.0)
+    if isinstance(seconds, bool) or not isinstance(seconds, int | float):
+        raise LipwrightError(f"{folder / INFO_FILE}: {key!r} is not a number of s; {REMEDY}")
+    return float(seconds)
 
 
 def to_json(value: Any) -> str:
