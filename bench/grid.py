@@ -6,7 +6,6 @@ takes a quarter of an hour.
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.dataset.splits import split_order
 from lipwright.evaluate.lips import Aperture, video_times
 from lipwright.track import PhoneTrack
 
@@ -124,14 +124,6 @@ def _tracker() -> Tracker:
     from lipwright.capture.tracker import Tracker
 
     return Tracker()
-
-
-def split_order(name: str) -> str:
-    """The key that sorts sentences: the least are for the test, the next for validation.
-
-    By a hash of the name, so that the split depends on nothing else.
-    """
-    return hashlib.sha256(f"lipwright-split:{name}".encode()).hexdigest()
 
 
 def sentences(split: str = "all", corpora: Path = CORPORA) -> list[Sentence]:
