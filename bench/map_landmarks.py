@@ -106,7 +106,9 @@ def cast(head: Head, place: Floats, part_names: set[str]) -> tuple[npt.NDArray[n
         [np.cross(b - place, c - place), np.cross(c - place, a - place), np.cross(a - place, b - place)],
         axis=1,
     ) / area[:, None]  # fmt: skip
-    depth = np.where((weights >= -1e-9).all(axis=1), (weights * screen[triangles, 2]).sum(1), np.inf)
+    depth = np.where(
+        (weights >= -1e-9).all(axis=1), (weights * screen[triangles, 2]).sum(1), np.inf
+    )
     if np.isfinite(depth).any():
         best = int(np.argmin(depth))
         return triangles[best], np.clip(weights[best], 0, 1)
@@ -130,12 +132,16 @@ def lip_ring(head: Head) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     return upper, ring[corner : other + 1][::-1]
 
 
-def on_ring(side: npt.NDArray[np.int64], x: Floats, at: float) -> tuple[npt.NDArray[np.int64], Floats]:
+def on_ring(
+    side: npt.NDArray[np.int64], x: Floats, at: float
+) -> tuple[npt.NDArray[np.int64], Floats]:
     """Two neighbours of a `side` of the ring, whose pictures' x rise, and their weights at `at`."""
     position = float(np.interp(at, x, np.arange(len(side))))
     first = min(int(position), len(side) - 2)
     share = position - first
-    return np.array([side[first], side[first + 1], side[first + 1]]), np.array([1 - share, share, 0])
+    return np.array([side[first], side[first + 1], side[first + 1]]), np.array(
+        [1 - share, share, 0]
+    )
 
 
 def regions(places: Floats) -> list[str]:
@@ -162,7 +168,10 @@ def regions(places: Floats) -> list[str]:
             found[number] = "lids" if y > top + 0.45 * (eye - top) else "forehead"
             if inside[number] and y > top:
                 found[number] = "nose"
-    put("brows", ends(Connections.FACE_LANDMARKS_LEFT_EYEBROW, Connections.FACE_LANDMARKS_RIGHT_EYEBROW))
+    put(
+        "brows",
+        ends(Connections.FACE_LANDMARKS_LEFT_EYEBROW, Connections.FACE_LANDMARKS_RIGHT_EYEBROW),
+    )
     put("eyes", eyes)
     put("lips outer", OUTER)
     put("lips middle", MIDDLE)
@@ -225,7 +234,9 @@ def check(head: Head, tracker: Tracker, folder: Path) -> None:
             image.crop((520, 420, 1530, 1850)).save(folder / f"{index}.png")
         rest = see(tracker, renderer.render(pose_weights()))
         still = project(landmark_points(head, head.vertices), 1)[:, :2]
-        print(f"{'shape at 0.6':18s} {'moves':>6s} {'tracked':>8s} {'r':>5s}   (mean length, 1/1000 side)")
+        print(
+            f"{'shape at 0.6':18s} {'moves':>6s} {'tracked':>8s} {'r':>5s}   (mean length, 1/1000 side)"
+        )
         for name in ARKIT:
             if MIRROR[name] < name:
                 continue

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.tracker import LANDMARKS
+from lipwright.capture.landmarks import LANDMARKS
 from lipwright.controls import ARKIT
 from lipwright.face.head import Head
 
@@ -61,9 +61,7 @@ def correspondence() -> Correspondence:
     )
 
 
-def landmark_points(
-    head: Head, vertices: npt.NDArray[np.floating]
-) -> npt.NDArray[np.float64]:
+def landmark_points(head: Head, vertices: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
     """(..., 478, 3) m, where the landmarks of the posed `vertices` (..., V, 3) are."""
     del head
     table = correspondence()
