@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.dataset.splits import split_order
+from lipwright.capture.landmarks import aperture, eye_distance, mouth_width
 from lipwright.evaluate.lips import Aperture, video_times
 from lipwright.track import PhoneTrack
 
@@ -32,11 +33,6 @@ DIGITS = dict(zip("z123456789", _DIGIT_NAMES.split(), strict=True))
 ADVERBS = {"a": "again", "n": "now", "p": "please", "s": "soon"}
 
 TEST = VALIDATION = 50  # sentences
-
-# Landmarks of the tracker, on the inner lips (upper, lower), the corners of the eyes, of the mouth.
-LIP_PAIRS = ((13, 14), (82, 87), (312, 317))
-EYES = ((33, 133), (362, 263))
-MOUTH = (61, 291)
 
 
 @dataclass(frozen=True)
@@ -82,24 +78,17 @@ class Sentence:
     @cached_property
     def eyes(self) -> npt.NDArray[np.float64]:
         """(T,), the distance between the eyes' centres in pixels."""
-        points = self.landmarks[..., :2].astype(float)
-        left, right = (points[:, list(pair)].mean(1) for pair in EYES)
-        return np.asarray(np.linalg.norm(left - right, axis=-1))
+        return eye_distance(self.landmarks)
 
     @property
     def aperture(self) -> Aperture:
         """The real lips' aperture."""
-        points = self.landmarks[..., :2].astype(float)
-        gaps = [np.linalg.norm(points[:, a] - points[:, b], axis=-1) for a, b in LIP_PAIRS]
-        return Aperture(video_times(len(points), 25), np.mean(gaps, axis=0) / self.eyes)
+        return Aperture(video_times(len(self.landmarks), 25), aperture(self.landmarks))
 
     @property
     def mouth_width(self) -> npt.NDArray[np.float64]:
         """(T,), the distance of the mouth's corners over that of the eyes."""
-        points = self.landmarks[..., :2].astype(float)
-        return np.asarray(
-            np.linalg.norm(points[:, MOUTH[0]] - points[:, MOUTH[1]], axis=-1) / self.eyes
-        )
+        return mouth_width(self.landmarks)
 
     @cached_property
     def track(self) -> PhoneTrack:
