@@ -81,14 +81,14 @@ def pixel_landmarks(motion: Motion) -> Points | None:
 
 
 def choose_frames(
-    motion: Motion, track: PhoneTrack, offset: float = 0.0, n: int = FRAMES
+    motion: Motion, track: PhoneTrack, lag: float = 0.0, n: int = FRAMES
 ) -> tuple[int, ...]:
     """The `n` frames that show most: closures, the widest opening, a lost frame, the rest evenly.
 
     Args:
         motion: what the face did.
         track: the phones, on the clock of the sound.
-        offset: by how much the picture is late, s.
+        lag: by how much a frame's time is ahead of the clock of the sound, s.
         n: how many; a shorter video gives all that it has.
 
     Returns:
@@ -103,9 +103,9 @@ def choose_frames(
         chosen.append(int(lost[len(lost) // 2]))
     if motion.aperture is not None and motion.valid.any():
         chosen.append(int(np.nanargmax(motion.aperture)))
-        chosen += _spread(_tightest_frames(motion, track, offset), n // 2)
+        chosen += _spread(_tightest_frames(motion, track, lag), n // 2)
     chosen = sorted(set(chosen))[:n] or [int(there[0])]
-    spoken = there[_in_speech(frame_times(motion, offset)[there], track)]
+    spoken = there[_in_speech(frame_times(motion, lag)[there], track)]
     rest = spoken if len(spoken) >= n else there
     while len(chosen) < n:  # the frame that is farthest from those chosen
         distance = np.abs(rest[:, None] - np.array(chosen)).min(axis=1)
@@ -120,10 +120,10 @@ def _in_speech(times: npt.NDArray[np.float64], track: PhoneTrack) -> npt.NDArray
     return (times >= start - AROUND) & (times <= end + AROUND)
 
 
-def _tightest_frames(motion: Motion, track: PhoneTrack, offset: float) -> list[int]:
+def _tightest_frames(motion: Motion, track: PhoneTrack, lag: float) -> list[int]:
     """The frame with the least aperture in each p, b, m."""
     assert motion.aperture is not None
-    times = frame_times(motion, offset)
+    times = frame_times(motion, lag)
     found = []
     for phone, start, end in track:
         near = (times >= start - 0.5 / motion.fps) & (times <= end + 0.5 / motion.fps)
@@ -139,9 +139,9 @@ def _spread(values: list[int], most: int) -> list[int]:
     return [values[i] for i in np.linspace(0, len(values) - 1, most).round().astype(int)]
 
 
-def frame_times(motion: Motion, offset: float = 0.0) -> npt.NDArray[np.float64]:
+def frame_times(motion: Motion, lag: float = 0.0) -> npt.NDArray[np.float64]:
     """(T,), s, the middles of the frames on the clock of the sound."""
-    return np.asarray((np.arange(len(motion)) + 0.5) / motion.fps - offset, np.float64)
+    return np.asarray((np.arange(len(motion)) + 0.5) / motion.fps - lag, np.float64)
 
 
 def phone_at(track: PhoneTrack, time: float) -> str:
@@ -154,17 +154,17 @@ def phone_at(track: PhoneTrack, time: float) -> str:
 
 
 def sheet_frames(
-    motion: Motion, track: PhoneTrack, offset: float, pictures: Mapping[int, Picture]
+    motion: Motion, track: PhoneTrack, lag: float, pictures: Mapping[int, Picture]
 ) -> list[SheetFrame]:
     """The frames whose pictures are given, with their landmarks, times, phones and notes.
 
     Args:
         motion: what the face did.
         track: the phones, on the clock of the sound.
-        offset: by how much the picture is late, s.
+        lag: by how much a frame's time is ahead of the clock of the sound, s.
         pictures: index of the frame to its picture.
     """
-    times, points = frame_times(motion, offset), pixel_landmarks(motion)
+    times, points = frame_times(motion, lag), pixel_landmarks(motion)
     found = []
     for index in sorted(pictures):
         flags = int(motion.flags[index])

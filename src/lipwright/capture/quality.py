@@ -163,7 +163,7 @@ def agreement(reference_aperture: Floats, estimated_aperture: Floats) -> tuple[f
 def measure_quality(
     motion: Motion,
     track: PhoneTrack,
-    offset: float,
+    lag: float,
     *,
     misfits: int = 0,
     landmarks_raw: Floats | None = None,
@@ -174,7 +174,8 @@ def measure_quality(
     Args:
         motion: what the face did.
         track: what was said, on the clock of the sound.
-        offset: by how much the picture is late, s; 0 where nobody could tell.
+        lag: by how much a frame's time is ahead of the clock of the sound, s: the offset, less the
+            picture's start.
         misfits: words that do not fit the sound.
         landmarks_raw: `motion.landmarks` before smoothing, (T, 478, 3); without them there is
             no jitter.
@@ -193,7 +194,7 @@ def measure_quality(
         "words": len(track.words),
         "misfits": misfits,
         **_pose_figures(motion.head_pose),
-        **_closure_figures(motion, track, offset),
+        **_closure_figures(motion, track, lag),
     }
     jitter = None
     if motion.landmarks is not None and landmarks_raw is not None:
@@ -217,14 +218,14 @@ def _pose_figures(head_pose: Floats | None) -> dict[str, Any]:
     }
 
 
-def _closure_figures(motion: Motion, track: PhoneTrack, offset: float) -> dict[str, Any]:
+def _closure_figures(motion: Motion, track: PhoneTrack, lag: float) -> dict[str, Any]:
     keys = (
         "bilabials", "bilabials_unseen", "bilabials_closed", "bilabials_closed_before",
         "bilabials_open", "unclosed", "closure_share_before", "closure_share_after", "opening",
     )  # fmt: skip
     if motion.aperture is None or motion.aperture_raw is None:
         return dict.fromkeys(keys)
-    times = (np.arange(len(motion)) + 0.5) / motion.fps - offset
+    times = (np.arange(len(motion)) + 0.5) / motion.fps - lag
     step = 1 / motion.fps
     before = bilabial_closures(motion.aperture_raw, times, step, track)
     after = bilabial_closures(motion.aperture, times, step, track)

@@ -48,15 +48,15 @@ DEFAULT_LIMITS: Final = RejectLimits()
 
 def reject_reasons(
     quality: Mapping[str, Any],
-    limits: RejectLimits = DEFAULT_LIMITS,
     offset: Mapping[str, Any] | None = None,
+    limits: RejectLimits = DEFAULT_LIMITS,
 ) -> list[str]:
     """One line for each reason to leave a recording out; none for a good one.
 
     Args:
         quality: what `measure_quality` gives; a figure that is None is not judged.
-        limits: what is still good enough.
         offset: what recording.json has under `offset`, to judge it too.
+        limits: what is still good enough.
     """
     return [
         *_picture_reasons(quality, limits),
