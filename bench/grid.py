@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.dataset.splits import split_order
 from lipwright.capture.landmarks import aperture, eye_distance, mouth_width
+from lipwright.dataset.splits import split_order
 from lipwright.evaluate.lips import Aperture, video_times
 from lipwright.track import PhoneTrack
 
