@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.landmarks import LANDMARKS
+from lipwright.dataset.recording import LANDMARKS
 from lipwright.controls import ARKIT
 from lipwright.face.head import Head
 
