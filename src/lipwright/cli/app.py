@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from lipwright.cli import animating, heads, listing
+from lipwright.cli import animating, capturing, heads, listing
 from lipwright.version import VERSION
 
 
@@ -19,6 +19,7 @@ def app() -> None:
 
 app.add_command(animating.animate)
 app.add_command(animating.align)
+app.add_command(capturing.capture)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

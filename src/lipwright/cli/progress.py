@@ -11,6 +11,18 @@ import click
 
 Report = Callable[[str, float], None]
 
+_kept = ["nothing was written"]
+
+
+def keeps(what: str) -> None:
+    """Say what an interrupted command leaves, where that is more than nothing."""
+    _kept[:] = [what]
+
+
+def interrupted() -> str:
+    """What is said to somebody who interrupts."""
+    return f"interrupted; {_kept[0]}"
+
 
 progress_option = click.option(
     "--progress", type=click.Choice(["auto", "json", "none"]), default="auto", show_default=True,

@@ -277,13 +277,24 @@ def write_info(folder: Path, info: dict[str, Any]) -> None:
         part.write_text(to_json(info), "utf-8")
 
 
+_UNSAFE: Final = frozenset('/\\:*?"<>|')  # in the names of files, on one system or another
+LONGEST_NAME: Final = 200  # bytes; parts of files add a few
+
+
+def safe_name(text: str) -> str:
+    """`text` as the name of a recording: what no file's name may have becomes `_`."""
+    allowed = "".join(c if c.isprintable() and c not in _UNSAFE else "_" for c in text)
+    cut = allowed.encode("utf-8", "replace")[:LONGEST_NAME].decode("utf-8", "ignore").strip(" .")
+    return cut or "_"
+
+
 def is_safe_name(name: object) -> bool:
     """Whether `name` can name a recording: it stays in its folder on every system."""
     return (
         isinstance(name, str)
-        and 0 < len(name.encode("utf-8", "replace")) <= 200
+        and 0 < len(name.encode("utf-8", "replace")) <= LONGEST_NAME
         and name == name.strip(" .")
-        and not set(name) & set('/\\:*?"<>|')
+        and not set(name) & _UNSAFE
         and name.isprintable()
         and os.path.basename(name) == name  # noqa: PTH119  # of any text, not of a path
     )

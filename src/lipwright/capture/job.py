@@ -1,0 +1,328 @@
+"""Capturing one recording: a column of verbs from its files to a folder of the dataset."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+from lipwright.audio import open_audio, write_flac
+from lipwright.capture.observe import (
+    Observation,
+    contact_picture,
+    head_aperture,
+    observe_arkit,
+    observe_video,
+    with_own_sound,
+)
+from lipwright.capture.offset import Offset, estimate_offset
+from lipwright.capture.quality import measure_quality
+from lipwright.capture.rejection import reject_reasons
+from lipwright.capture.sources import Source
+from lipwright.dataset.folder import RECORDINGS, recording_files, sha256_of
+from lipwright.dataset.recording import (
+    AUDIO_FILE,
+    INFO_FILE,
+    MOTION_FILE,
+    PHONES_FILE,
+    PICTURE_FILE,
+    read_info,
+    save_motion,
+    to_json,
+    write_info,
+)
+from lipwright.errors import LipwrightError
+from lipwright.face.head import load_head
+from lipwright.formats import read_track, write_track
+from lipwright.pipeline import ALIGNMENT_RATE, AlignOptions, align_sound
+from lipwright.speech import Alignment
+from lipwright.track import PhoneTrack
+from lipwright.version import VERSION
+
+PART_MARK: Final = ".part."  # in the names of folders that are being filled
+OLD_MARK: Final = ".old."  # in the names of folders that are being replaced
+LAYOUT: Final = 1  # raise when what is captured of the same files changes
+MAX_SOUND_RATE: Final = 48000  # Hz, of the sound that is kept
+LEAST_OVERLAP: Final = 0.5  # of the longer of picture and sound, in the shorter
+LEAST_ROOM: Final = 16 << 20  # bytes that must be free before a recording is tracked
+
+
+@dataclass(frozen=True)
+class CaptureOptions:
+    """How recordings are captured, and what the manifest says of them."""
+
+    language: str = "en"
+    dictionary: Path | None = None
+    """a file of pronunciations that override the lexicon"""
+    tracker: str = "mediapipe"
+    fps: float | None = 30.0
+    """frames a second of ARKit recordings, as in the thesis (4.2.1); None keeps theirs"""
+    tied: bool = True
+    """left and right ARKit weights move alike"""
+    reject: bool = False
+    """leave out what the report advises to leave out"""
+    name: str = ""
+    """of the dataset"""
+    licence: str = ""
+    """of the recordings"""
+
+    def shaping(self) -> dict[str, Any]:
+        """The options on which the captured files depend."""
+        dictionary = None if self.dictionary is None else sha256_of(self.dictionary)
+        return {
+            "language": self.language, "dictionary": dictionary, "tracker": self.tracker,
+            "fps": self.fps, "tied": self.tied,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one source."""
+
+    name: str
+    error: str | None = None
+    """why it was not captured, as one line"""
+    warnings: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
+    """why the recording should be left out"""
+    fresh: bool = field(default=True, compare=False)
+    """False where an earlier run had captured it"""
+
+
+def prepare(sources: Sequence[Source], options: CaptureOptions) -> None:
+    """Find out now, rather than in every recording, what all of them lack.
+
+    Raises:
+        LipwrightError: the tracker, the head, the language or the dictionary is missing.
+    """
+    from lipwright.capture.tracker import get_tracker
+    from lipwright.language import get_language, read_dictionary
+
+    load_head()
+    get_language(options.language)
+    if options.dictionary is not None:
+        read_dictionary(options.dictionary)
+    if any(source.is_video and source.problem is None for source in sources):
+        get_tracker(options.tracker)
+
+
+def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Outcome:
+    """Capture one source into the dataset at `path`; what goes wrong is in the outcome.
+
+    A recording that was captured from the same files in the same way is left as it is.
+    """
+    folder = path / RECORDINGS / source.name
+    try:
+        key = _key(source, options)
+        if (info := _finished(folder, key)) is None:
+            info = _capture(source, folder, options, key)
+            fresh = True
+        else:
+            fresh = False
+    except LipwrightError as error:
+        message = str(error)
+        if source.name not in message:
+            message = f"{source.face}: {message}"
+        return Outcome(source.name, error=" ".join(message.split()))
+    return Outcome(
+        source.name, warnings=tuple(info["warnings"]), reasons=tuple(info["reject"]), fresh=fresh
+    )
+
+
+def _key(source: Source, options: CaptureOptions) -> str:
+    """What the captured files depend on, as a hash."""
+    inputs: dict[str, Any] = {"layout": LAYOUT, "lipwright": VERSION, "text": source.text}
+    for role, file in _files_of(source).items():
+        inputs[role] = sha256_of(file)
+    inputs |= options.shaping()
+    return hashlib.sha256(to_json(inputs).encode()).hexdigest()
+
+
+def _files_of(source: Source) -> dict[str, Path]:
+    roles = {
+        "video" if source.is_video else "arkit": source.face,
+        "audio": source.audio, "phones": source.phones,
+    }  # fmt: skip
+    return {role: file for role, file in roles.items() if file is not None}
+
+
+def _finished(folder: Path, key: str) -> dict[str, Any] | None:
+    """The recording.json of a folder that holds all that this capture would give."""
+    if not (folder / INFO_FILE).is_file():
+        return None
+    try:
+        info = read_info(folder)
+    except LipwrightError:
+        return None
+    files = info.get("files")
+    whole = isinstance(files, dict) and all((folder / str(file)).is_file() for file in files)
+    return info if whole and info.get("key") == key else None
+
+
+def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) -> dict[str, Any]:
+    _check_room(folder.parent)
+    seen, alignment = _observe(source, edited_phones(folder), options)
+    track = alignment.track
+    offset = _offset(seen, track)
+    lag = (offset.seconds if offset.trusted else 0.0) - seen.start
+    motion = seen.to_motion(track, lag, tied=options.tied)
+    quality = measure_quality(
+        motion, track, lag, misfits=len(alignment.misfits), landmarks_raw=seen.landmarks_raw,
+        arkit_aperture=head_aperture(motion.arkit),
+    )  # fmt: skip
+    info = {
+        **_origin(source, options, key, seen),
+        **_said(source, seen, alignment),
+        "offset": offset.to_info(),
+        "quality": quality,
+        "reject": reject_reasons(quality, offset=offset.to_info()),
+    }
+    with _filled(folder) as part:
+        save_motion(part / MOTION_FILE, motion)
+        write_track(part / PHONES_FILE, track)
+        _save_sound(part / AUDIO_FILE, source.audio or source.face)
+        if picture := contact_picture(seen, motion, track, lag):
+            (part / PICTURE_FILE).write_bytes(picture)
+        info["files"] = recording_files(part)
+        write_info(part, info)
+    return info
+
+
+def _observe(
+    source: Source, edited: PhoneTrack | None, options: CaptureOptions
+) -> tuple[Observation, Alignment]:
+    """What is seen, and what is said when; the cheap questions come first."""
+    with open_audio(source.audio or source.face, ALIGNMENT_RATE) as sound:
+        if edited is not None:
+            alignment = Alignment(edited)
+        elif source.phones is not None:
+            alignment = Alignment(read_track(source.phones, duration=sound.duration))
+        else:
+            assert source.text is not None  # sources without words have a problem
+            words = AlignOptions(options.language, options.dictionary)
+            alignment = align_sound(sound, source.text, words, source.text_source)
+        if source.is_video:
+            seen = observe_video(source.face, options.tracker)
+        else:
+            seen = observe_arkit(source.face, options.fps)
+        if source.audio is not None:
+            seen = with_own_sound(seen)
+        _check_lengths(source, seen, sound.duration)
+    if edited is not None:
+        kept = f"{source.name}: the edited {PHONES_FILE} is kept; delete it to align again"
+        seen = replace(seen, warnings=(*seen.warnings, kept))
+    return seen, alignment
+
+
+def edited_phones(folder: Path) -> PhoneTrack | None:
+    """The phones of an earlier capture that somebody has corrected since; None without any.
+
+    Raises:
+        LipwrightError: they cannot be read.
+    """
+    path = folder / PHONES_FILE
+    if not path.is_file() or not (folder / INFO_FILE).is_file():
+        return None
+    files = read_info(folder).get("files")
+    known = files.get(PHONES_FILE) if isinstance(files, dict) else None
+    return None if known == sha256_of(path) else read_track(path)
+
+
+def _save_sound(path: Path, source: Path) -> None:
+    with open_audio(source) as sound:
+        if sound.rate <= MAX_SOUND_RATE:
+            write_flac(path, sound)
+            return
+    with open_audio(source, MAX_SOUND_RATE) as sound:
+        write_flac(path, sound)
+
+
+def _check_room(place: Path) -> None:
+    """A full disk is noticed before minutes of tracking."""
+    if shutil.disk_usage(place).free < LEAST_ROOM:
+        raise LipwrightError(f"{place.parent}: no space left on the disk; make room and run again")
+
+
+def _check_lengths(source: Source, seen: Observation, sound: float) -> None:
+    picture = seen.start + seen.duration
+    if min(picture, sound) < LEAST_OVERLAP * max(picture, sound):
+        raise LipwrightError(
+            f"{source.face}: the picture lasts {picture:.1f} s and the sound {sound:.1f} s; "
+            "they are not of one recording"
+        )
+
+
+def _offset(seen: Observation, track: PhoneTrack) -> Offset:
+    lips = seen.lips()
+    if lips is None:
+        return Offset(0.0, float("nan"), float("nan"), trusted=False)
+    return estimate_offset(lips, track)
+
+
+def _origin(source: Source, options: CaptureOptions, key: str, seen: Observation) -> dict[str, Any]:
+    """Where the recording comes from and how it was captured."""
+    files = {
+        role: {"path": str(file.resolve()), "sha256": sha256_of(file)}
+        for role, file in _files_of(source).items()
+    }
+    return {
+        "name": source.name, "key": key, "lipwright": VERSION, "source": files,
+        "options": options.shaping(), "tracker": seen.tracker, "fps": seen.fps,
+        "frames": len(seen.flags), "start": round(seen.start, 6),
+    }  # fmt: skip
+
+
+def _said(source: Source, seen: Observation, alignment: Alignment) -> dict[str, Any]:
+    """The words, and what was odd on the way."""
+    return {
+        "text": source.text,
+        "words": _words(alignment.track),
+        "misfits": [asdict(misfit) for misfit in alignment.misfits],
+        "unwritten": [list(span) for span in alignment.unwritten],
+        "warnings": [*seen.warnings, *_alignment_warnings(source, alignment)],
+    }
+
+
+def _words(track: PhoneTrack) -> list[dict[str, Any]]:
+    rows = []
+    for word in track.words:
+        start, end = track.word_span(word)
+        sure = None if word.confidence is None else round(word.confidence, 4)
+        rows.append(
+            {"text": word.text, "start": round(start, 4), "end": round(end, 4), "confidence": sure}
+        )
+    return rows
+
+
+def _alignment_warnings(source: Source, alignment: Alignment) -> Iterator[str]:
+    for misfit in alignment.misfits:
+        yield (
+            f"{source.face}: {(misfit.written or misfit.text)[:40]!r} does not fit the sound at "
+            f"{misfit.start:.2f} to {misfit.end:.2f} s"
+        )
+    for start, end in alignment.unwritten:
+        yield f"{source.face}: speech at {start:.2f} to {end:.2f} s has no words"
+
+
+@contextmanager
+def _filled(folder: Path) -> Iterator[Path]:
+    """A folder to fill, which takes the place of `folder` when the block ends well."""
+    token = secrets.token_hex(4)
+    part = folder.with_name(f".{token}{PART_MARK}{folder.name}")
+    old = folder.with_name(f".{token}{OLD_MARK}{folder.name}")
+    try:
+        part.mkdir(parents=True)
+        yield part
+        if folder.exists():
+            folder.rename(old)
+        part.rename(folder)
+    except OSError as error:
+        raise LipwrightError(f"{folder}: cannot be written: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
