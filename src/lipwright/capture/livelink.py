@@ -1,0 +1,182 @@
+"""CSV of Epic's Live Link Face app, and tables of other apps with a time and ARKit's names.
+
+The app writes `Timecode,BlendShapeCount,EyeBlinkLeft,...`: 52 weights and, since its second
+year, nine angles in radians. Its time code counts 60 frames a second and thousandths of a
+frame, also where the phone records 30 frames a second.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from lipwright.capture.arkit_names import (
+    MIN_NAMES,
+    NameMatch,
+    control_column,
+    match_names,
+    plain_name,
+)
+from lipwright.capture.arkit_recording import ArkitRecording, FrameTable, table_to_recording
+from lipwright.capture.stamps import TIME_NAMES, Stamps, stamps_to_times
+from lipwright.controls import ARKIT
+from lipwright.errors import LipwrightError
+from lipwright.formats.source import decode_text, parse_number, read_text
+
+APP: Final = "Live Link Face"
+TIMECODE: Final = "timecode"
+COUNT: Final = "blendshapecount"  # also written BlendshapeCount; 0 where the app saw no face
+
+_HEADER_BYTES: Final = 16384
+_DELIMITERS: Final = (",", ";", "\t")  # the app's, Excel's where the decimal sign is a comma
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Where things stand in a line."""
+
+    width: int
+    time: int
+    count: int | None
+    match: NameMatch
+
+
+def is_live_link(path: str | os.PathLike[str]) -> bool:
+    """Whether the first line of a file is that of a Live Link Face recording."""
+    try:
+        with Path(path).open("rb") as file:
+            line = file.read(_HEADER_BYTES).partition(b"\n")[0]
+        names = _header_cells(decode_text(path, line))
+    except (OSError, ValueError, LipwrightError):
+        return False
+    known = {control_column(name) for name in names} & set(range(len(ARKIT)))
+    return any(plain_name(name) == TIMECODE for name in names) and len(known) >= MIN_NAMES
+
+
+def read_live_link(path: str | os.PathLike[str], timecode_fps: int | None = None) -> ArkitRecording:
+    """The recording of a CSV file.
+
+    Args:
+        path: the file.
+        timecode_fps: frames a second that its time codes count; None finds it out.
+
+    Raises:
+        LipwrightError: the header lacks a time or ARKit's names, a cell is wrong, or the frames
+            are no recording; names line and column.
+    """
+    text = read_text(path)
+    lines, delimiter = _read_cells(path, text)
+    if not lines:
+        raise LipwrightError(f"{path}: is empty; export the recording again")
+    header = [cell.strip() for cell in lines[0][1]]
+    columns = _find_columns(path, header)
+    notes: list[str] = []
+    stamps = Stamps(path, timecode_fps, header[columns.time])
+    rows: list[list[float]] = []
+    places: list[int] = []
+    for line, cells in lines[1:]:
+        last = line == lines[-1][0]
+        cells = [cell.replace(",", ".") for cell in cells] if delimiter == ";" else cells  # noqa: PLW2901
+        try:
+            row = _row(path, line, cells, columns, header)
+            stamps.add(f"line {line}", _cell(cells, columns.time))
+        except LipwrightError:
+            # The app was stopped, or the copy: the line ends anywhere.
+            if not last or (text.endswith("\n") and len(cells) >= columns.width):
+                raise
+            notes.append(f"the last line ({line}) is cut and left out")
+            continue
+        rows.append(row)
+        places.append(line)
+    if not rows:
+        raise LipwrightError(f"{path}: has a header and no frames; export the recording again")
+    clock = stamps_to_times(stamps)
+    app = APP if plain_name(header[columns.time]) == TIMECODE else "table"
+    table = FrameTable(
+        match=columns.match,
+        times=clock.times,
+        rows=np.array(rows, np.float64),
+        places=np.array(places),
+        unit="line",
+        source=f"{app} CSV, {clock.layout}",
+        timecode=clock.timecode,
+        notes=(*notes, *clock.notes),
+    )
+    return table_to_recording(path, table)
+
+
+def _header_cells(line: str) -> list[str]:
+    delimiter = max(_DELIMITERS, key=line.count)
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def _read_cells(path: str | os.PathLike[str], text: str) -> tuple[list[tuple[int, list[str]]], str]:
+    """Number and cells of each line that is not empty, and what parts the cells."""
+    delimiter = max(_DELIMITERS, key=text.partition("\n")[0].count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    try:
+        lines = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
+    except csv.Error as error:
+        raise LipwrightError(f"{path}: line {reader.line_num}: not CSV: {error}") from None
+    return lines, delimiter
+
+
+def _find_columns(path: str | os.PathLike[str], header: list[str]) -> _Columns:
+    plain = [plain_name(name) for name in header]
+    while plain and not plain[-1]:  # a comma at the end of each line
+        plain.pop()
+    time = next((plain.index(name) for name in (TIMECODE, *TIME_NAMES) if name in plain), None)
+    if time is None:
+        raise LipwrightError(
+            f"{path}: line 1: no column 'Timecode', so no recording of ARKit weights; name a CSV "
+            "of Live Link Face"
+        )
+    count = plain.index(COUNT) if COUNT in plain else None
+    others = [
+        index
+        for index, name in enumerate(plain)
+        if index not in {time, count} and name not in TIME_NAMES
+    ]
+    match = match_names(path, [header[index] for index in others])
+    known = NameMatch(tuple(others[c] for c in match.columns), match.targets, match.notes)
+    return _Columns(len(plain), time, count, known)
+
+
+def _cell(cells: list[str], column: int) -> str:
+    return cells[column].strip() if column < len(cells) else ""
+
+
+def _row(
+    path: str | os.PathLike[str], line: int, cells: list[str], columns: _Columns, header: list[str]
+) -> list[float]:
+    """The known columns of a line; NaN where a cell is empty or the app saw no face."""
+    wanted = columns.match.columns
+    if columns.count is not None and _cell(cells, columns.count) in {"0", "0.0"}:
+        return [np.nan] * len(wanted)
+    if len(cells) < columns.width or any(map(str.strip, cells[len(header) :])):
+        raise LipwrightError(
+            f"{path}: line {line}: {len(cells)} columns, not {columns.width} as in the header; "
+            "correct it"
+        )
+    try:
+        row = [float(cells[column]) for column in wanted]
+    except ValueError:
+        pass
+    else:
+        # float() takes 1_000, inf and digits of every script; one look at the line rules them out.
+        joined = "".join(cells)
+        if joined.isascii() and "_" not in joined and "f" not in joined.casefold():
+            return row
+    return [_number(path, line, header[column], cells[column].strip()) for column in wanted]
+
+
+def _number(path: str | os.PathLike[str], line: int, name: str, cell: str) -> float:
+    if cell.casefold() in {"", "nan", "null", "none"}:
+        return np.nan
+    return parse_number(path, f"line {line}", name[:40], cell)
