@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
-from typing import Final
+from typing import Any, Final
+
+from lipwright.dataset.folder import FAILED, MANIFEST_FILE, Dataset
+from lipwright.dataset.recording import read_info
+from lipwright.errors import LipwrightError
 
 TRAIN, VALIDATION, TEST, UNSEEN = "train", "validation", "test", "unseen"
 SPLITS: Final = (TRAIN, VALIDATION, TEST, UNSEEN)
@@ -49,6 +53,8 @@ class SplitOptions:
     """patterns such as `*m??`; recordings with such names become `unseen`"""
     hold_out_words: tuple[str, ...] = ()
     """recordings that say one of these words become `unseen`; capitals do not count"""
+    keep: bool = False
+    """recordings that have a split stay there, as far as they are not held out"""
 
     def __post_init__(self) -> None:
         """Check."""
@@ -57,13 +63,24 @@ class SplitOptions:
                 raise ValueError(f"{count} recordings; give 0 or more")
 
 
-def split_names(names: Iterable[str], options: SplitOptions | None = None) -> dict[str, str]:
+def split_names(
+    names: Iterable[str],
+    options: SplitOptions | None = None,
+    kept: Mapping[str, str] | None = None,
+) -> dict[str, str]:
     """Name to `train`, `validation` or `test`.
+
+    With the same two counts, more names never bring one from training into the others.
+
+    Args:
+        names: of all recordings.
+        options: how many for what.
+        kept: name to the split that it must stay in; the other names fill what is missing there.
 
     Raises:
         ValueError: test and validation would leave nothing to train on.
     """
-    options = options or SplitOptions()
+    options, kept = options or SplitOptions(), kept or {}
     order = sorted(names, key=lambda name: split_order(name, options.seed))
     usual = default_count(len(order))
     test = usual if options.test is None else options.test
@@ -73,14 +90,108 @@ def split_names(names: Iterable[str], options: SplitOptions | None = None) -> di
             f"{test} for the test and {validation} for validation leave none of the "
             f"{len(order)} recordings to train on"
         )
-    kinds = [TEST] * test + [VALIDATION] * validation
-    kinds += [TRAIN] * (len(order) - len(kinds))
-    return dict(zip(order, kinds, strict=True))
+    stay = [kept[name] for name in order if name in kept]
+    places = [TEST] * (test - stay.count(TEST))
+    places += [VALIDATION] * (validation - stay.count(VALIDATION))
+    free = iter(places)
+    return {name: kept[name] if name in kept else next(free, TRAIN) for name in order}
 
 
 def is_held_out(name: str, words: Iterable[str], options: SplitOptions) -> bool:
     """Whether a recording of that name, which says `words`, is kept from training."""
-    held = {word.casefold() for word in options.hold_out_words}
+    held = {_bare(word) for word in options.hold_out_words}
     return any(fnmatchcase(name, pattern) for pattern in options.hold_out) or any(
-        word.casefold() in held for word in words
+        _bare(word) in held for word in words
     )
+
+
+def _bare(word: str) -> str:
+    """A word without what a writer puts around it."""
+    return word.casefold().strip(" .,;:!?\"()'")
+
+
+def split_options(dataset: Dataset) -> SplitOptions:
+    """How a dataset was split last; the usual way where its manifest does not say.
+
+    Raises:
+        LipwrightError: what it says is no such thing.
+    """
+    stored = dataset.manifest.get("split", {})
+    try:
+        return SplitOptions(
+            stored.get("test"),
+            stored.get("validation"),
+            str(stored.get("seed", SEED)),
+            tuple(map(str, stored.get("hold_out", ()))),
+            tuple(map(str, stored.get("hold_out_words", ()))),
+            stored.get("keep") is True,
+        )
+    except (AttributeError, TypeError, ValueError) as error:
+        raise LipwrightError(
+            f"{dataset.path / MANIFEST_FILE}: 'split' is broken ({error}); "
+            "run: lipwright dataset split"
+        ) from error
+
+
+def split_dataset(dataset: Dataset, options: SplitOptions) -> Dataset:
+    """The dataset split anew, and `options` kept in its manifest; nothing is written.
+
+    Raises:
+        LipwrightError: a file cannot be read, nothing is left to train on, or a pattern or word
+            holds nothing out.
+    """
+    words = _words(dataset, options)
+    said = {_bare(word) for spoken in words.values() for word in spoken}
+    for word in options.hold_out_words:
+        if _bare(word) not in said:
+            raise LipwrightError(f"{dataset.path}: no recording says {word!r}")
+    for pattern in options.hold_out:
+        if not any(fnmatchcase(name, pattern) for name in words):
+            raise LipwrightError(f"{dataset.path}: no recording has a name like {pattern!r}")
+    return assign_splits(
+        Dataset(dataset.path, {**dataset.manifest, "split": asdict(options)}), words
+    )
+
+
+def assign_splits(dataset: Dataset, words: Mapping[str, tuple[str, ...]] | None = None) -> Dataset:
+    """The dataset with a split for each recording, as its manifest asks; nothing is written.
+
+    All recordings take part, rejected and failed ones too, so that none moves when another is
+    rejected.
+
+    Args:
+        dataset: what to split.
+        words: name to what is said, where it has been read already.
+
+    Raises:
+        LipwrightError: a file cannot be read, or nothing is left to train on.
+    """
+    options = split_options(dataset)
+    words = _words(dataset, options) if words is None else words
+    kept = {
+        entry["name"]: entry["split"]
+        for entry in dataset.entries
+        if options.keep and entry.get("split") in (TRAIN, VALIDATION, TEST)
+    }
+    try:
+        splits = split_names(words, options, kept)
+    except ValueError as error:
+        raise LipwrightError(f"{dataset.path}: {error}; give smaller numbers") from error
+    for name, said in words.items():
+        if is_held_out(name, said, options):
+            splits[name] = UNSEEN
+    if splits and TRAIN not in splits.values():
+        raise LipwrightError(f"{dataset.path}: nothing is left to train on; hold out less")
+    entries = [{**entry, "split": splits[entry["name"]]} for entry in dataset.entries]
+    return Dataset(dataset.path, {**dataset.manifest, "recordings": entries})
+
+
+def _words(dataset: Dataset, options: SplitOptions) -> dict[str, tuple[str, ...]]:
+    """Name to what is said, as far as somebody asks."""
+    words: dict[str, tuple[str, ...]] = {}
+    for entry in dataset.entries:
+        rows: Any = ()
+        if options.hold_out_words and entry["status"] != FAILED:
+            rows = read_info(dataset.folder(entry["name"])).get("words") or ()
+        words[entry["name"]] = tuple(str(row["text"]) for row in rows if "text" in row)
+    return words

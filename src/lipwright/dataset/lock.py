@@ -1,0 +1,38 @@
+"""Only one program at a time writes to a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+from lipwright.errors import LipwrightError
+
+LOCK_FILE: Final = ".lock"
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold the lock of the folder `path`; the system drops it with the process.
+
+    Raises:
+        LipwrightError: another program holds it, or the folder cannot be written to.
+    """
+    try:
+        import fcntl
+    except ImportError:  # a system without such locks
+        yield
+        return
+    try:
+        file = (path / LOCK_FILE).open("w")
+    except OSError as error:
+        raise LipwrightError(f"{path}: cannot be written: {error.strerror}") from error
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise LipwrightError(
+                f"{path}: another program is writing to this dataset; wait for its end"
+            ) from error
+        yield
