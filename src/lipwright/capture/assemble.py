@@ -20,7 +20,7 @@ from lipwright.dataset.folder import (
     sha256_of,
 )
 from lipwright.dataset.recording import FACE_FILE, INFO_FILE, read_info
-from lipwright.dataset.splits import assign_splits
+from lipwright.dataset.splits import split_dataset, split_options
 from lipwright.errors import LipwrightError
 from lipwright.version import VERSION as LIPWRIGHT
 
@@ -39,6 +39,9 @@ def assemble(path: Path, outcomes: Sequence[Outcome], options: CaptureOptions) -
     for folder in sorted((path / RECORDINGS).iterdir()):
         if folder.is_dir() and not folder.name.startswith("."):
             entries[folder.name] = _entry(folder, known.get(folder.name, {}), options)
+    for entry in entries.values():
+        if "split" in (old := known.get(entry["name"], {})):
+            entry["split"] = old["split"]
     for outcome in outcomes:
         if outcome.error is not None and outcome.name not in entries:
             entries[outcome.name] = _failure(outcome.name, outcome.error)
@@ -54,7 +57,7 @@ def assemble(path: Path, outcomes: Sequence[Outcome], options: CaptureOptions) -
         **({"split": before.manifest["split"]} if before and "split" in before.manifest else {}),
         "recordings": [entries[name] for name in sorted(entries)],
     }
-    dataset = assign_splits(Dataset(path, manifest))
+    dataset = split_dataset(Dataset(path, manifest), split_options(manifest), keep=True)
     dataset.save()
     return dataset
 

@@ -136,7 +136,7 @@ def observe_video(path: Path, tracker: str) -> Observation:
         LipwrightError: the video cannot be used, or does not show one speaker.
     """
     from lipwright.capture.blinks import find_blinks
-    from lipwright.capture.pose import place, remove_pose
+    from lipwright.capture.pose import remove_pose, to_picture
     from lipwright.capture.smooth import smooth
     from lipwright.capture.tracker import check_faces, face_warnings, track_video
     from lipwright.capture.video import open_video
@@ -157,7 +157,7 @@ def observe_video(path: Path, tracker: str) -> Observation:
         landmarks=landmarks,
         landmarks_raw=raw,
         head_pose=head_pose,
-        aperture=aperture_of(place(landmarks, head_pose)).astype(np.float32),
+        aperture=aperture_of(to_picture(landmarks, head_pose)).astype(np.float32),
         aperture_raw=aperture_of(seen.points).astype(np.float32),
         video=video,
     )
@@ -181,7 +181,8 @@ def observe_arkit(path: Path, fps: float | None) -> Observation:
     Raises:
         LipwrightError: the file cannot be used.
     """
-    from lipwright.capture.arkit_import import read_arkit, to_motion
+    from lipwright.capture.arkit_import import read_arkit
+    from lipwright.capture.arkit_motion import to_motion
 
     recording = read_arkit(path)
     motion = to_motion(recording, fps)

@@ -18,6 +18,7 @@ from lipwright.track import PhoneTrack
 MAX_OFFSET: Final = 0.5  # s; further apart, syllables match their neighbours
 STEP: Final = 0.005  # s
 LEAST_R: Final = 0.6  # under it the lips do not follow the sound at any shift
+R_A_SECOND: Final = 0.6  # by how much more r must be there for each s of shift
 LEAST_GAIN: Final = 0.03  # of r; less is no better than no shift
 LEAST_OFFSET: Final = 0.02  # s, half a frame at 25 fps; less cannot be told
 DISTRUST: Final = 1.0  # of r a s^2: far shifts must agree better than near ones
@@ -67,7 +68,7 @@ def estimate_offset(aperture: Aperture, track: PhoneTrack) -> Offset:
     # The expected lips are read `lag` later where the picture is early.
     seconds = -float(lags[best])
     trusted = (
-        r >= LEAST_R
+        r >= LEAST_R + R_A_SECOND * abs(seconds)
         and r - zero >= LEAST_GAIN
         and abs(seconds) >= LEAST_OFFSET
         and abs(seconds) < MAX_OFFSET

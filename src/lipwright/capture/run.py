@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import wait as wait_for
@@ -27,12 +27,12 @@ from lipwright.capture.job import (
 )
 from lipwright.capture.sources import Source
 from lipwright.dataset.folder import MANIFEST_FILE, RECORDINGS, Dataset, open_dataset
+from lipwright.dataset.lock import LOCK_FILE, locked
 from lipwright.errors import LipwrightError
 
 Report = Callable[[str, float], None]
 Tell = Callable[[Outcome], None]
 
-LOCK_FILE: Final = ".lock"
 WAITING: Final = 4  # recordings handed out a worker ahead of time
 
 
@@ -78,7 +78,7 @@ def capture(
     from lipwright.capture.assemble import assemble
 
     _make_folder(path)
-    with _locked(path):
+    with locked(path):
         _sweep(path)
         prepare(sources, options)
         outcomes: dict[str, Outcome] = {}
@@ -106,27 +106,6 @@ def _make_folder(path: Path) -> None:
         (path / RECORDINGS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{path}: cannot be made: {error.strerror}") from error
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Only one run at a time writes to a dataset; the system drops the lock with the process."""
-    try:
-        import fcntl
-    except ImportError:  # a system without such locks
-        yield
-        return
-    try:
-        with (path / LOCK_FILE).open("w") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
-                raise LipwrightError(
-                    f"{path}: another capture is writing to this dataset; wait for its end"
-                ) from error
-            yield
-    except PermissionError as error:
-        raise LipwrightError(f"{path}: cannot be written: {error.strerror}") from error
 
 
 def _sweep(path: Path) -> None:
