@@ -22,8 +22,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from lipwright.capture.correspondence import TABLE
-from lipwright.capture.tracker import LANDMARKS, Tracker
+from lipwright.capture.tracker import Tracker
 from lipwright.controls import ARKIT, MIRROR
+from lipwright.dataset.recording import LANDMARKS
 from lipwright.face.asset import MEMBERS, WHEEL, read_asset
 from lipwright.face.head import Head, load_head
 from lipwright.face.lips import contact_ring, with_closed_lips
@@ -66,18 +67,21 @@ def project(vertices: Floats, size: int) -> Floats:
 
 def see(tracker: Tracker, picture: npt.NDArray[np.uint8]) -> Floats:
     """(478, 2), where the tracker sees the landmarks, as shares of the picture's side."""
-    points = tracker.track_frame(picture)
-    if np.isnan(points).any():
-        raise SystemExit("the tracker finds no face in a picture of the head")
-    return np.asarray(points[:, :2] / len(picture), float)
+    faces = tracker.track_frame(picture)
+    if len(faces) != 1:
+        raise SystemExit(f"the tracker finds {len(faces)} faces in a picture of the head")
+    return np.asarray(faces[0][:, :2] / len(picture), float)
 
 
-def mirrored_landmarks(points: Floats, flipped: Floats) -> npt.NDArray[np.int64]:
+def mirrored_landmarks(points: Floats) -> npt.NDArray[np.int64]:
     """(478,), each landmark's partner on the other side."""
-    there = flipped * [-1, 1] + [1, 0]
     cost = np.linalg.norm(points[:, None] * [-1, 1] + [1, 0] - points[None], axis=-1)
-    del there
-    return np.asarray(linear_sum_assignment(cost)[1])
+    partner = np.asarray(linear_sum_assignment(cost)[1])
+    for side in (INNER_UPPER, INNER_LOWER):  # too crowded at the corners to be told apart
+        partner[list(side)] = side[::-1]
+    if (partner[partner] != np.arange(LANDMARKS)).any():
+        raise SystemExit("the landmarks' partners on the other side do not fit")
+    return partner
 
 
 def seen_at_rest(head: Head, tracker: Tracker) -> tuple[Floats, npt.NDArray[np.int64]]:
@@ -89,10 +93,15 @@ def seen_at_rest(head: Head, tracker: Tracker) -> tuple[Floats, npt.NDArray[np.i
         straight.append(see(tracker, picture))
         turned.append(see(tracker, np.ascontiguousarray(picture[:, ::-1])))
     points, flipped = np.mean(straight, axis=0), np.mean(turned, axis=0)
-    partner = mirrored_landmarks(points, flipped)
+    partner = mirrored_landmarks(points)
     # A flipped picture's landmark is its partner's, mirrored.
     points = (points + (flipped[partner] * [-1, 1] + [1, 0])) / 2
     return (points + (points[partner] * [-1, 1] + [1, 0])) / 2, partner
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """(n,), twice the signed areas between the vectors (n, 2)."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def cast(head: Head, place: Floats, part_names: set[str]) -> tuple[npt.NDArray[np.int64], Floats]:
@@ -101,9 +110,9 @@ def cast(head: Head, place: Floats, part_names: set[str]) -> tuple[npt.NDArray[n
     spans = [p.triangles for p in head.parts if p.name in part_names]
     triangles = np.concatenate([head.triangles[span] for span in spans])
     a, b, c = (screen[triangles[:, k], :2] for k in range(3))
-    area = np.cross(b - a, c - a)
+    area = cross(b - a, c - a)
     weights = np.stack(
-        [np.cross(b - place, c - place), np.cross(c - place, a - place), np.cross(a - place, b - place)],
+        [cross(b - place, c - place), cross(c - place, a - place), cross(a - place, b - place)],
         axis=1,
     ) / area[:, None]  # fmt: skip
     depth = np.where(
@@ -225,7 +234,7 @@ def check(head: Head, tracker: Tracker, folder: Path) -> None:
         for index, pose in enumerate(CHECKED):
             weights = pose_weights(**pose)
             picture = renderer.render(weights)
-            own = project(landmark_points(head, head.pose(weights)), size)
+            own = project(landmark_points(head.pose(weights)), size)
             image = Image.fromarray(picture).resize((2 * size, 2 * size))
             draw = ImageDraw.Draw(image)
             for points, colour in ((own, "red"), (see(tracker, picture) * size, "lime")):
@@ -233,15 +242,13 @@ def check(head: Head, tracker: Tracker, folder: Path) -> None:
                     draw.ellipse([x - 2, y - 2, x + 2, y + 2], fill=colour)
             image.crop((520, 420, 1530, 1850)).save(folder / f"{index}.png")
         rest = see(tracker, renderer.render(pose_weights()))
-        still = project(landmark_points(head, head.vertices), 1)[:, :2]
-        print(
-            f"{'shape at 0.6':18s} {'moves':>6s} {'tracked':>8s} {'r':>5s}   (mean length, 1/1000 side)"
-        )
+        still = project(landmark_points(head.vertices), 1)[:, :2]
+        print(f"{'shape at 0.6':18s} {'moves':>6s} {'tracked':>8s} {'r':>5s}   (mean, 1/1000 side)")
         for name in ARKIT:
             if MIRROR[name] < name:
                 continue
             weights = pose_weights(**{name: 0.6, MIRROR[name]: 0.6})
-            moved = project(landmark_points(head, head.pose(weights)), 1)[:, :2] - still
+            moved = project(landmark_points(head.pose(weights)), 1)[:, :2] - still
             seen = see(tracker, renderer.render(weights)) - rest
             lengths = [1000 * np.linalg.norm(m, axis=1).mean() for m in (moved, seen)]
             r = (moved * seen).sum() / np.sqrt((moved**2).sum() * (seen**2).sum() + 1e-20)

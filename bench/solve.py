@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from grid import Sentence, sentences
 from heads import rulers
-from lipwright.capture.landmarks import EYES
+from lipwright.capture.pose import remove_pose
 from lipwright.capture.solve import SolveOptions, lip_gap, neutral_face, solve_arkit
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT, MIRROR
@@ -71,17 +71,6 @@ class Solved:
         return Clip(ARKIT, FPS, self.weights)
 
 
-def head_frame(points: Floats) -> Floats:
-    """(T, 478, 3) pixels, centred on the eyes, level, over the eyes' distance."""
-    right, left = (points[:, list(pair)].mean(axis=1) for pair in EYES)
-    across = (left - right)[:, :2]
-    size = np.linalg.norm(across, axis=1)
-    cosine, sine = (across / size[:, None]).T[:, :, None]
-    centred = (points - ((left + right) / 2)[:, None]) / size[:, None, None]
-    x, y, z = np.moveaxis(centred, -1, 0)
-    return np.stack([cosine * x + sine * y, cosine * y - sine * x, z], axis=-1)
-
-
 def quiet_frames(sentence: Sentence) -> npt.NDArray[np.bool_]:
     """(T,) whether the frame lies in silence."""
     times = sentence.aperture.times
@@ -93,7 +82,7 @@ def quiet_frames(sentence: Sentence) -> npt.NDArray[np.bool_]:
 
 def solve(sentence: Sentence, options: SolveOptions) -> Solved:
     """Solve one sentence."""
-    landmarks = head_frame(sentence.landmarks.astype(float))
+    landmarks = remove_pose(sentence.landmarks, FPS)[0].astype(float)
     aperture = sentence.aperture.values
     neutral = neutral_face(landmarks, aperture, quiet_frames(sentence))
     start = time.perf_counter()
@@ -122,7 +111,8 @@ def follow(tracked: list[Floats], posed: list[Floats], masks: list[npt.NDArray[n
     pooled_ratio = np.percentile(b, 95) / np.percentile(a, 95)
     for name, column in zip(("r", "slope", "p95 ratio"), table.T, strict=True):
         print(
-            f"  {name:10s} each {column.min():.4f} to {column.max():.4f}, median {np.median(column):.4f}"
+            f"  {name:10s} each {column.min():.4f} to {column.max():.4f},"
+            f" median {np.median(column):.4f}"
         )
     print(f"  pooled     r {pooled[0]:.4f}  slope {pooled[1]:.4f}  p95 ratio {pooled_ratio:.4f}")
     print(f"  shut frames that are shut too: {hit} of {real} ({hit / real:.2%})")
@@ -173,7 +163,7 @@ def at_rest(found: list[Solved]) -> None:
 
 
 def shaking(found: list[Solved]) -> None:
-    """Print the second differences of the weights, as moves of landmarks, against the landmarks'."""
+    """Print the second differences of posed lips against those of tracked lips."""
     from lipwright.capture.correspondence import landmark_shapes
 
     shapes = landmark_shapes(load_head())[:, :, :2]
@@ -187,7 +177,8 @@ def shaking(found: list[Solved]) -> None:
     second = np.concatenate([np.diff(i.weights, 2, axis=0) for i in found])
     worst = np.argsort(-np.sqrt((second**2).mean(axis=0)))[:8]
     print(
-        f"\nsecond differences of the lips, rms, eye distances: posed {rms[0]:.4f}, tracked {rms[1]:.4f}"
+        "\nsecond differences of the lips, rms, eye distances:"
+        f" posed {rms[0]:.4f}, tracked {rms[1]:.4f}"
     )
     print(
         "  of weights: "
@@ -215,22 +206,30 @@ def eyes(found: list[Solved]) -> None:
         inside = (opening >= low) & (opening < high)
         if inside.any():
             print(
-                f"  opening {low:.1f} to {high:.1f}: {inside.sum():5d} frames, eyeBlink {blink[inside].mean():.2f}"
+                f"  opening {low:.1f} to {high:.1f}: {inside.sum():5d} frames,"
+                f" eyeBlink {blink[inside].mean():.2f}"
             )
+
+
+def read_pictures(path: Path) -> list[npt.NDArray[np.uint8]]:
+    """The frames of a video, (H, W, 3)."""
+    import av
+
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
 
 
 def draw(found: list[Solved], path: Path, phones: list[str], view: str) -> None:
     """Draw, of each sentence, the middle frames of some phones beside the head."""
     from PIL import Image, ImageDraw
 
-    from lipwright.capture.tracker import read_frames
     from lipwright.controls import CANONICAL
     from lipwright.face.render import Renderer
 
     tiles = []
     with Renderer(load_head(), 300, 300, view=view) as renderer:  # type: ignore[arg-type]
         for item in found:
-            frames = list(read_frames(item.sentence.video)[1])
+            frames = read_pictures(item.sentence.video)
             clip = item.clip.select(CANONICAL).values
             for phone, start, end in item.sentence.track:
                 if phones and phone not in phones:

@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.dataset.recording import LANDMARKS
 from lipwright.controls import ARKIT
+from lipwright.dataset.recording import LANDMARKS
 from lipwright.face.head import Head
 
 TABLE: Final = Path(__file__).with_name("landmarks_on_head.csv")
@@ -61,9 +61,8 @@ def correspondence() -> Correspondence:
     )
 
 
-def landmark_points(head: Head, vertices: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
+def landmark_points(vertices: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
     """(..., 478, 3) m, where the landmarks of the posed `vertices` (..., V, 3) are."""
-    del head
     table = correspondence()
     corners = np.asarray(vertices, np.float64)[..., table.vertices, :]
     return np.asarray((corners * table.weights[..., None]).sum(axis=-2))

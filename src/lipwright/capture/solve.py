@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from lipwright.capture.correspondence import correspondence, landmark_shapes
 from lipwright.capture.landmarks import LIP_PAIRS
+from lipwright.capture.smooth import runs
 from lipwright.controls import ARKIT, CANONICAL, MIRROR
 from lipwright.face.head import Head
 
@@ -24,14 +25,17 @@ Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 LIDS: Final = ((159, 145), (386, 374))  # upper and lower lid's middle, of the right and left eye
+BLINKS: Final = ("eyeBlinkRight", "eyeBlinkLeft")
 
 REGION_WEIGHTS: Final = MappingProxyType(
     {
         "lips outer": 1.0, "lips middle": 0.5, "lips inner": 0.5, "jaw": 0.7, "cheeks": 0.3,
-        "nose": 0.2, "eyes": 0.3, "lids": 0.2, "brows": 1.0, "forehead": 0.2, "irises": 0.3,
+        "nose": 0.2, "eyes": 1.0, "lids": 0.2, "brows": 2.0, "forehead": 0.2, "irises": 0.3,
     }
 )  # fmt: skip
 """how much the mean over a region's landmarks counts"""
+
+LID_TRAVEL: Final = 0.77  # of the rest gap of the lids, how far a blink takes the upper one; GRID
 
 DEPTH_WEIGHT: Final = 0.1  # of z against x and y; the tracker only guesses depth
 
@@ -60,8 +64,14 @@ class SolveOptions:
     """cost of the square of a change by 1 a second"""
 
 
-DOUBT: Final = MappingProxyType({"cheekPuff": 8.0})
-"""how many times dearer a control is that landmarks seen from the front hardly show"""
+DOUBT: Final = MappingProxyType(
+    {
+        "jawForward": 10.0, "cheekPuff": 10.0,  # hardly seen from the front
+        "mouthFrown": 4.0, "mouthShrugLower": 4.0, "mouthShrugUpper": 4.0, "mouthRollUpper": 2.0,
+        "noseSneer": 4.0, "eyeWide": 4.0, "eyeSquint": 3.0,
+    }
+)  # fmt: skip
+"""beginning of a name to how many times dearer the control is than those without such doubts"""
 
 
 def neutral_face(landmarks: npt.ArrayLike, aperture: npt.ArrayLike, quiet: npt.ArrayLike) -> Floats:
@@ -122,7 +132,7 @@ def solve_arkit(
     known = ~np.isnan(points[:, 0, 0]) & ~np.isnan(gaps)
     target = np.maximum(gaps - lip_gap(rest), 0.0)
     solved = np.full((len(points), len(ARKIT)), np.nan, np.float32)
-    for first, last in _runs(known):
+    for first, last in runs(known):
         for start in range(first, last, BLOCK):
             end = min(start + BLOCK, last)
             span = slice(max(start - OVERLAP, first), min(end + OVERLAP, last))
@@ -139,10 +149,10 @@ def lip_gap(points: Floats) -> float:
     return float(np.mean(gaps))
 
 
-def _runs(mask: Bools) -> list[tuple[int, int]]:
-    """First and end of each run of true frames."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+def lid_gaps(points: npt.NDArray[np.floating]) -> Floats:
+    """(...,), the mean distance of the lids of faces (..., 478, 3), as the picture shows it."""
+    gaps = [np.linalg.norm(points[..., a, :2] - points[..., b, :2], axis=-1) for a, b in LIDS]
+    return np.mean(gaps, axis=0)
 
 
 def unknowns_of(tied: bool) -> Floats:
@@ -177,11 +187,22 @@ class Basis:
         counts = {region: table.regions.count(region) for region in REGION_WEIGHTS}
         share = np.array([REGION_WEIGHTS[r] / counts[r] for r in table.regions])
         self._weights = share[:, None] * [1.0, 1.0, DEPTH_WEIGHT]
-        self._irises = np.array([region == "irises" for region in table.regions])
-        shapes = np.tensordot(self.columns, landmark_shapes(head), axes=1)
+        self._irises, self._eyes = (
+            np.array([region == name for region in table.regions]) for name in ("irises", "eyes")
+        )
+        single = landmark_shapes(head)
+        self._blink = float(
+            np.mean([single[ARKIT.index(n), a, 1] for n, (a, _) in zip(BLINKS, LIDS, strict=True)])
+        )
+        shapes = np.tensordot(self.columns, single, axes=1)
         size = len(self.columns)
         self._pulled = (shapes * self._weights).reshape(size, -1).T  # (478 * 3, U)
-        doubt = np.array([DOUBT.get(name, 1.0) for name in ARKIT])
+        doubt = np.array(
+            [
+                next((d for start, d in DOUBT.items() if name.startswith(start)), 1.0)
+                for name in ARKIT
+            ]
+        )
         each = (self.columns * doubt).max(axis=1)
         self._linear = options.sparsity * each
         self._square = shapes.reshape(size, -1) @ self._pulled
@@ -194,15 +215,14 @@ class Basis:
     def pull(self, points: npt.NDArray[np.floating], rest: Floats) -> Floats:
         """(T, U), how much the landmarks (T, 478, 3) speak for each unknown.
 
+        Moves of the lids count in shares of the speaker's own eyes, so that a blink is a blink.
         The irises cannot be seen behind a lid; there they say nothing.
         """
         moves = points - rest
-        lids = [
-            np.linalg.norm(points[:, a, :2] - points[:, b, :2], axis=-1)
-            / max(float(np.linalg.norm(rest[a, :2] - rest[b, :2])), 1e-6)
-            for a, b in LIDS
-        ]
-        seen = np.clip(np.mean(lids, axis=0) / 0.4 - 0.75, 0, 1)
+        gaps = lid_gaps(points)
+        resting = max(float(lid_gaps(rest)), 1e-6)
+        moves[:, self._eyes, 1] *= self._blink / (LID_TRAVEL * resting)
+        seen = np.clip(gaps / resting / 0.4 - 0.75, 0, 1)
         moves[:, self._irises] *= seen[:, None, None]
         return np.asarray(moves.reshape(len(moves), -1) @ self._pulled)
 
