@@ -34,7 +34,7 @@ Fields = Mapping[str, Any]
 _Names = tuple[str, ...]
 
 # Plain names (`arkit_names.plain_name`) of fields, in the order in which they are looked for.
-FPS_NAMES: Final[_Names] = ("exportfps", "fps", "framerate", "samplerate", "rate")
+FPS_NAMES: Final[_Names] = ("exportfps", "fps", "framerate")
 NAMES_NAMES: Final[_Names] = (
     "facsnames", "facenames", "blendshapenames", "blendshapekeys", "shapekeys", "shapenames",
     "names", "keys", "channels", "blendshapes",
@@ -43,13 +43,8 @@ ROWS_NAMES: Final[_Names] = (
     "weightmat", "blendshapevalues", "blendshapeweights", "weights", "values", "frames", "data",
 )  # fmt: skip
 FRAMES_NAMES: Final[_Names] = (
-    "frames",
-    "data",
-    "samples",
-    "records",
-    "recording",
-    "blendshapes",
-)
+    "frames", "data", "samples", "records", "recording", "blendshapes",
+)  # fmt: skip
 WEIGHTS_NAMES: Final[_Names] = (
     "blendshapes", "blendshapeweights", "blendshapevalues", "weights", "values", "coefficients",
     "shapes", "facs", "w",
@@ -57,22 +52,11 @@ WEIGHTS_NAMES: Final[_Names] = (
 TIMES_NAMES: Final[_Names] = ("times", "timestamps", "timecodes")
 NUMBER_NAMES: Final[_Names] = ("frame", "frameindex", "framenumber", "index", "frameid")
 TRACKED_NAMES: Final[_Names] = (
-    "istracked",
-    "tracked",
-    "facedetected",
-    "facefound",
-    "facepresent",
-    "valid",
-)
+    "istracked", "tracked", "facedetected", "facefound", "facepresent", "facevalid", "valid",
+)  # fmt: skip
 PAIR_NAMES: Final[_Names] = (
-    "name",
-    "key",
-    "k",
-    "categoryname",
-    "shape",
-    "blendshapelocation",
-    "label",
-)
+    "name", "key", "k", "categoryname", "shape", "blendshapelocation", "label",
+)  # fmt: skip
 PAIR_VALUES: Final[_Names] = ("value", "v", "score", "weight")
 
 

@@ -41,7 +41,7 @@ _DELIMITERS: Final = (",", ";", "\t")  # the app's, Excel's where the decimal si
 class _Columns:
     """Where things stand in a line."""
 
-    width: int
+    header: tuple[str, ...]
     time: int
     count: int | None
     match: NameMatch
@@ -71,38 +71,29 @@ def read_live_link(path: str | os.PathLike[str], timecode_fps: int | None = None
             are no recording; names line and column.
     """
     text = read_text(path)
-    lines, delimiter = _read_cells(path, text)
+    lines = _read_cells(path, text)
     if not lines:
         raise LipwrightError(f"{path}: is empty; export the recording again")
     header = [cell.strip() for cell in lines[0][1]]
     columns = _find_columns(path, header)
-    notes: list[str] = []
-    stamps = Stamps(path, timecode_fps, header[columns.time])
-    rows: list[list[float]] = []
-    places: list[int] = []
-    for line, cells in lines[1:]:
-        last = line == lines[-1][0]
-        cells = [cell.replace(",", ".") for cell in cells] if delimiter == ";" else cells  # noqa: PLW2901
-        try:
-            row = _row(path, line, cells, columns, header)
-            stamps.add(f"line {line}", _cell(cells, columns.time))
-        except LipwrightError:
-            # The app was stopped, or the copy: the line ends anywhere.
-            if not last or (text.endswith("\n") and len(cells) >= columns.width):
-                raise
-            notes.append(f"the last line ({line}) is cut and left out")
-            continue
-        rows.append(row)
-        places.append(line)
-    if not rows:
+    notes: tuple[str, ...] = ()
+    if len(lines) > 1 and _is_cut(path, text, lines[-1], columns):
+        notes = (f"the last line ({lines[-1][0]}) is cut and left out",)
+        lines.pop()
+    if len(lines) == 1:
         raise LipwrightError(f"{path}: has a header and no frames; export the recording again")
+    stamps = Stamps(path, timecode_fps, header[columns.time])
+    rows = np.empty((len(lines) - 1, len(columns.match.columns)))
+    for index, (line, cells) in enumerate(lines[1:]):
+        rows[index] = _row(path, line, cells, columns)
+        stamps.add(f"line {line}", _cell(cells, columns.time))
     clock = stamps_to_times(stamps)
     app = APP if plain_name(header[columns.time]) == TIMECODE else "table"
     table = FrameTable(
         match=columns.match,
         times=clock.times,
-        rows=np.array(rows, np.float64),
-        places=np.array(places),
+        rows=rows,
+        places=np.array([line for line, _ in lines[1:]]),
         unit="line",
         source=f"{app} CSV, {clock.layout}",
         timecode=clock.timecode,
@@ -116,15 +107,18 @@ def _header_cells(line: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def _read_cells(path: str | os.PathLike[str], text: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Number and cells of each line that is not empty, and what parts the cells."""
+def _read_cells(path: str | os.PathLike[str], text: str) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line that is not empty."""
     delimiter = max(_DELIMITERS, key=text.partition("\n")[0].count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
     try:
         lines = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
     except csv.Error as error:
         raise LipwrightError(f"{path}: line {reader.line_num}: not CSV: {error}") from None
-    return lines, delimiter
+    if delimiter != ";":
+        return lines
+    # Where a semicolon parts the cells, the decimal sign is a comma.
+    return [(line, [cell.replace(",", ".") for cell in cells]) for line, cells in lines]
 
 
 def _find_columns(path: str | os.PathLike[str], header: list[str]) -> _Columns:
@@ -145,35 +139,55 @@ def _find_columns(path: str | os.PathLike[str], header: list[str]) -> _Columns:
     ]
     match = match_names(path, [header[index] for index in others])
     known = NameMatch(tuple(others[c] for c in match.columns), match.targets, match.notes)
-    return _Columns(len(plain), time, count, known)
+    return _Columns(tuple(header[: len(plain)]), time, count, known)
 
 
 def _cell(cells: list[str], column: int) -> str:
     return cells[column].strip() if column < len(cells) else ""
 
 
+def _is_cut(
+    path: str | os.PathLike[str], text: str, last: tuple[int, list[str]], columns: _Columns
+) -> bool:
+    """Whether the last line ends somewhere: the app was stopped, or the copy."""
+    line, cells = last
+    if text.endswith(("\n", "\r")):
+        return len(cells) < len(columns.header) and not _is_lost(cells, columns)
+    if not cells[-1].strip():
+        return True
+    try:
+        _row(path, line, cells, columns)
+        Stamps(path).add("", _cell(cells, columns.time))
+    except LipwrightError:
+        return True
+    return False
+
+
+def _is_lost(cells: list[str], columns: _Columns) -> bool:
+    return columns.count is not None and _cell(cells, columns.count) in {"0", "0.0"}
+
+
 def _row(
-    path: str | os.PathLike[str], line: int, cells: list[str], columns: _Columns, header: list[str]
+    path: str | os.PathLike[str], line: int, cells: list[str], columns: _Columns
 ) -> list[float]:
     """The known columns of a line; NaN where a cell is empty or the app saw no face."""
-    wanted = columns.match.columns
-    if columns.count is not None and _cell(cells, columns.count) in {"0", "0.0"}:
+    wanted, width = columns.match.columns, len(columns.header)
+    if _is_lost(cells, columns):
         return [np.nan] * len(wanted)
-    if len(cells) < columns.width or any(map(str.strip, cells[len(header) :])):
+    if len(cells) < width or any(map(str.strip, cells[width:])):
         raise LipwrightError(
-            f"{path}: line {line}: {len(cells)} columns, not {columns.width} as in the header; "
-            "correct it"
+            f"{path}: line {line}: {len(cells)} columns, not {width} as in the header; correct it"
         )
     try:
         row = [float(cells[column]) for column in wanted]
     except ValueError:
-        pass
-    else:
-        # float() takes 1_000, inf and digits of every script; one look at the line rules them out.
-        joined = "".join(cells)
-        if joined.isascii() and "_" not in joined and "f" not in joined.casefold():
-            return row
-    return [_number(path, line, header[column], cells[column].strip()) for column in wanted]
+        row = []
+    # float() takes 1_000, inf and digits of every script; one look at the line rules them out.
+    joined = "".join(cells)
+    if row and joined.isascii() and "_" not in joined and "f" not in joined.casefold():
+        return row
+    names = columns.header
+    return [_number(path, line, names[column], cells[column].strip()) for column in wanted]
 
 
 def _number(path: str | os.PathLike[str], line: int, name: str, cell: str) -> float:

@@ -88,10 +88,11 @@ def codes_to_clock(codes: Sequence[TimeCode], rate: int | None = None) -> Clock:
         return Clock(_past_midnight(seconds + last, DAY), "milliseconds", False)
     if any(code.layout == "milliseconds" for code in codes) or last.max() >= _MAX_FRAME:
         return Clock(_past_midnight(seconds + last / 1000, DAY), "milliseconds", False)
-    found = rate or rate_of_codes(seconds, last)
+    drop = any(code.drop for code in codes)
+    found = rate or rate_of_codes(seconds, last, drop)
     known = found or max(APP_RATE, int(last.max()) + 1)
     assumed = found is None and bool(last.any())
-    if any(code.drop for code in codes) and known in {30, 60}:
+    if drop and known in {30, 60}:
         frames = _frame_numbers(seconds, last, known)
         length = 1001 / (1000 * known)  # s, of a frame
         day = float(_frame_numbers(DAY, 0.0, known)) * length
@@ -106,16 +107,19 @@ def _past_midnight(times: Times, day: float) -> Times:
     return np.asarray(np.unwrap(times, period=day), np.float64)
 
 
-def rate_of_codes(seconds: Times, frames: Times) -> int | None:
-    """Frames a second that codes of `seconds` and `frames`, both (T,), count; None if unclear."""
+def rate_of_codes(seconds: Times, frames: Times, drop: bool = False) -> int | None:
+    """Frames a second that codes of `seconds` and `frames`, both (T,), count; None if unclear.
+
+    Drop-frame codes skip some where a minute begins, so that those turns tell nothing.
+    """
     passed = np.diff(seconds)
     steps = np.diff(frames)
     within = steps[(passed == 0) & (steps > 0)]
-    wraps = np.flatnonzero(passed == 1)
-    if not len(within) or not len(wraps):
+    turns = np.flatnonzero((passed == 1) & ~(drop & (seconds[1:] % 60 == 0)))
+    if not len(within) or not len(turns):
         return None
     # The median: now and then a frame is missing just there.
-    estimate = float(np.median(frames[wraps] - frames[wraps + 1])) + float(np.median(within))
+    estimate = float(np.median(frames[turns] - frames[turns + 1])) + float(np.median(within))
     possible = [rate for rate in USUAL_RATES if rate > frames.max()]
     usual = min(possible, key=lambda rate: abs(rate - estimate), default=0)
     if abs(usual - estimate) <= 0.5:
