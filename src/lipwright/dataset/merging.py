@@ -166,10 +166,10 @@ def _tracker_notes(rows: Sequence[_Row], options: MergeOptions) -> Iterator[str]
 
 
 def _fps_notes(rows: Sequence[_Row]) -> Iterator[str]:
-    rates = {row.info.get("fps") for row in rows if row.is_there}
-    known = sorted(rate for rate in rates if isinstance(rate, int | float))
+    rates = [row.info.get("fps") for row in rows if row.is_there]
+    known = {rate for rate in rates if isinstance(rate, int | float)}
     if len(known) > 1:
-        told = ", ".join(f"{rate:g}" for rate in known)
+        told = ", ".join(f"{rate:g}" for rate in sorted(known))
         yield f"recordings have {told} frames a second; training resamples them"
 
 

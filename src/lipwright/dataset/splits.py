@@ -192,6 +192,7 @@ def _words(dataset: Dataset, options: SplitOptions) -> dict[str, tuple[str, ...]
     for entry in dataset.entries:
         rows: Any = ()
         if options.hold_out_words and entry["status"] != FAILED:
-            rows = read_info(dataset.folder(entry["name"])).get("words") or ()
-        words[entry["name"]] = tuple(str(row["text"]) for row in rows if "text" in row)
+            rows = read_info(dataset.folder(entry["name"])).get("words")
+        rows = rows if isinstance(rows, list) else ()
+        words[entry["name"]] = tuple(str(row.get("text")) for row in rows if isinstance(row, dict))
     return words

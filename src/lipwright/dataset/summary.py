@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -111,9 +112,9 @@ def _figures(folder: Path) -> dict[str, Any]:
         "tracker": str(info.get("tracker") or "unknown"),
         "filmed": int(((flags & Flag.DROPPED) == 0).sum()),
         "valid": int(seen.sum()),
-        "bilabials": int(quality.get("bilabials") or 0),
-        "closed": int(quality.get("bilabials_closed") or 0),
-        "offset": offset.get("seconds") if offset.get("trusted") is True else None,
+        "bilabials": int(_number(quality.get("bilabials")) or 0),
+        "closed": int(_number(quality.get("bilabials_closed")) or 0),
+        "offset": _number(offset.get("seconds")) if offset.get("trusted") is True else None,
         "parameters": [*arrays, *_face_shapes(folder / FACE_FILE)],
     }
 
@@ -121,6 +122,13 @@ def _figures(folder: Path) -> dict[str, Any]:
 def _table(info: Mapping[str, Any], key: str) -> dict[str, Any]:
     value = info.get(key)
     return value if isinstance(value, dict) else {}
+
+
+def _number(value: object) -> float | None:
+    """`value` if it is a number, as figures that cannot be had are not."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value) if math.isfinite(value) else None
 
 
 def _peek(path: Path) -> tuple[float, Any, list[str]]:
