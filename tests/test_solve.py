@@ -27,18 +27,13 @@ from lipwright.capture.solve import (
 )
 from lipwright.controls import ARKIT, CANONICAL, MIRROR
 from lipwright.dataset.recording import LANDMARKS
-from lipwright.face.head import Head, load_head
+from lipwright.face.head import Head
 
 GRID = Path(__file__).parents[2] / "shared" / "corpora" / "grid-s1"
 LANDMARK_CACHE = Path(__file__).parents[1] / "bench" / "cache"
 FPS = 25.0
 
 Floats = npt.NDArray[np.float64]
-
-
-@pytest.fixture(scope="module")
-def head() -> Head:
-    return load_head()
 
 
 def faces_of(head: Head, weights: Floats) -> tuple[Floats, Floats]:
@@ -285,3 +280,13 @@ def test_a_real_sentence_is_followed(head: Head) -> None:
     assert (posed[shut] < 0.15 * np.percentile(posed, 95)).mean() > 0.98
     for name in ("mouthFrownLeft", "mouthShrugLower", "mouthPressLeft", "noseSneerLeft"):
         assert column(found[quiet], name).mean() < 0.03
+
+
+def test_a_speaker_who_never_shuts_the_lips_is_not_taken_for_one_with_shut_lips(
+    head: Head,
+) -> None:
+    points, gaps = (values[8:22] for values in faces_of(head, planted(30, jawOpen=0.4)))
+    assert gaps.min() > 0.1
+    rest = neutral_face(points, gaps, np.ones(14, bool))
+    _, opened = faces_of(head, solve_arkit(points, gaps, head, 25.0, rest))
+    assert opened.min() > 0.8 * gaps.min()

@@ -46,6 +46,7 @@ TOLERANCE: Final = 1e-6  # change of a weight at which it ends
 
 CLOSED: Final = 0.15  # share of the 95th percentile under which lips count as shut
 FEW: Final = 3  # frames that a rest face needs
+LARGEST_GAP: Final = 0.02  # eye distances between points of shut lips; up to 0.011 in GRID
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,8 @@ def solve_arkit(
         )
     basis = Basis(head, options or SolveOptions(), fps)
     known = ~np.isnan(points[:, 0, 0]) & ~np.isnan(gaps)
-    target = np.maximum(gaps - lip_gap(rest), 0.0)
+    # A speaker who never shuts his lips rests with open ones.
+    target = np.maximum(gaps - min(lip_gap(rest), LARGEST_GAP), 0.0)
     solved = np.full((len(points), len(ARKIT)), np.nan, np.float32)
     for first, last in runs(known):
         for start in range(first, last, BLOCK):
