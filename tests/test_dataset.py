@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from lipwright.dataset.checking import check_dataset
 from lipwright.dataset.folder import (
     FORMAT,
     RECORDINGS,
+    STATUSES,
     Dataset,
     open_dataset,
     recording_files,
@@ -33,6 +35,7 @@ from lipwright.dataset.lock import locked
 from lipwright.dataset.merging import MergeOptions, join_licences, merge_datasets
 from lipwright.dataset.recording import Motion, save_motion, write_info
 from lipwright.dataset.splits import (
+    SPLITS,
     SplitOptions,
     assign_splits,
     default_count,
@@ -41,6 +44,7 @@ from lipwright.dataset.splits import (
     split_order,
 )
 from lipwright.dataset.summary import rarest, summarise
+from lipwright.dataset.transforms import TRANSFORMS
 from lipwright.errors import LipwrightError
 from lipwright.formats import write_track
 from lipwright.track import PhoneTrack, Word
@@ -591,3 +595,21 @@ class TestMerging:
             (tmp_path / place).mkdir()
             merge_datasets([faces, more], tmp_path / place / "all")
         assert everything_in(tmp_path / "one") == everything_in(tmp_path / "two")
+
+
+class TestPage:
+    PAGE = (Path(__file__).parents[1] / "docs" / "dataset.md").read_text("utf-8")
+
+    def test_it_names_every_array_every_figure_and_every_transform(self, faces: Dataset) -> None:
+        arrays = [field.name for field in fields(Motion)]
+        transforms = [made.__name__ for made in TRANSFORMS.values()]
+        for name in (*arrays, *transforms, *summarise(faces), *SPLITS, *STATUSES):
+            assert f"`{name}" in self.PAGE, name
+
+    def test_its_numpy_example_runs(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        make(tmp_path / "anna", "one")
+        code = self.PAGE.split("```python\n")[1].split("```")[0]
+        exec(code.replace('"anna/', f'"{tmp_path}/anna/'), {})
+        assert capsys.readouterr().out == "25.0 (25, 52)\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -92,8 +93,8 @@ class TestSample:
             Sample(**{**good, **change})  # type: ignore[arg-type]
 
     def test_a_recording_gives_its_weights_with_the_phone_said_at_each_frame(
-        self, tmp_path
-    ) -> None:  # type: ignore[no-untyped-def]
+        self, tmp_path: Path
+    ) -> None:
         weights = np.full((4, 52), 0.25, np.float32)
         motion = Motion(10.0, np.array([0, 1, 0, 0]), weights)
         track = PhoneTrack(("AH", "B"), np.array([0.0, 0.1, 0.24]))
@@ -103,6 +104,18 @@ class TestSample:
         assert np.allclose(sample.times, [0.03, 0.13, 0.23, 0.33])
         assert sample.phones == ("AH", "B", "B", "sil")
         assert sample.seen.tolist() == [True, False, True, True]
+
+    def test_parameters_of_the_reference_face_make_samples_too(self, tmp_path: Path) -> None:
+        motion = Motion(10.0, np.zeros(4), np.zeros((4, 52)))
+        track = PhoneTrack(("AH",), np.array([0.0, 0.4]))
+        recording = Recording("a", motion, track, 0.0, {}, tmp_path)
+        with pytest.raises(LipwrightError, match="lipwright face fit"):
+            sample_of(recording, "joint")
+        np.savez(tmp_path / "face.npz", joint=np.ones((4, 2)), model=np.array("m"))
+        sample = sample_of(recording, "joint")
+        assert (sample.names, sample.values.sum()) == (("joint0", "joint1"), 8)
+        with pytest.raises(LipwrightError, match="'model'"):
+            sample_of(recording, "model")
 
     def test_a_frame_without_a_face_spoils_no_frame_that_it_does_not_touch(self) -> None:
         values = row(1, np.nan, 3).at([0.0, 0.5, 1.0, 1.5, 2.0])[:, 0]

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lipwright.controls import ARKIT
 from lipwright.dataset.recording import Recording
+from lipwright.errors import LipwrightError
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
@@ -122,9 +123,23 @@ def phones_in(track: PhoneTrack, times: npt.ArrayLike) -> tuple[str, ...]:
     return tuple(track.phones[i] if 0 <= i < len(track) else SILENCE for i in index)
 
 
-def sample_of(recording: Recording) -> Sample:
-    """The ARKit weights of a recording, with the phone in the middle of each frame."""
-    times = recording.times
-    phones = phones_in(recording.track, times)
-    motion = recording.motion
-    return Sample(ARKIT, motion.arkit, phones, motion.fps, float(times[0]))
+def sample_of(recording: Recording, part: str = "arkit") -> Sample:
+    """What the face of a recording did, with the phone in the middle of each frame.
+
+    Args:
+        recording: the recording.
+        part: `arkit` for the weights, or an array of face.npz: `shape`, `inner`, `outer`, `joint`.
+
+    Raises:
+        LipwrightError: the recording has no such part.
+    """
+    motion, times = recording.motion, recording.times
+    names, values = ARKIT, motion.arkit
+    if part != "arkit":
+        values = (recording.face() or {}).get(part, np.empty(0, np.float32))
+        if values.ndim != 2 or len(values) != len(motion):
+            raise LipwrightError(
+                f"{recording.folder}: has no {part!r} parameters; run: lipwright face fit"
+            )
+        names = tuple(f"{part}{mode}" for mode in range(values.shape[1]))
+    return Sample(names, values, phones_in(recording.track, times), motion.fps, float(times[0]))
