@@ -363,6 +363,12 @@ class TestChecking:
             open_dataset(faces.path)
         one_line(caught)
 
+    def test_programs_get_nothing_but_json(self, faces: Dataset) -> None:
+        write_track(faces.folder("bert") / "phones.TextGrid", TRACK.padded(0, 1.01))
+        for options in ((), ("--accept",)):
+            done = call("check", faces.path, "--progress", "json", *options)
+            assert [json.loads(line) for line in done.stderr.splitlines()]
+
     def test_several_faults_are_several_lines(self, faces: Dataset) -> None:
         (faces.path / ANNA / "audio.flac").unlink()
         (faces.path / RECORDINGS / "zoe").mkdir()

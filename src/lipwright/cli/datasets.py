@@ -129,14 +129,20 @@ def check(path: Path, accept: bool, progress: str) -> None:
     if accept and findings.edited:
         with locked(path):
             accept_edits(open_dataset(path), findings.edited).save()
-        say(f"{path}: {_count(len(findings.edited), 'edited recording')} accepted")
-    elif findings.edited:
+        _tell(f"{path}: {_count(len(findings.edited), 'edited recording')} accepted", progress)
+    else:
         for name in findings.edited:
-            say(f"{found.folder(name)}: phones edited since capture")
+            warn(f"{found.folder(name)}: phones edited since capture", progress)
     problems = _count(len(findings.problems), "problem") if findings.problems else "no problems"
-    say(f"{path}: {_count(len(found.entries), 'recording')}, {problems}")
+    _tell(f"{path}: {_count(len(found.entries), 'recording')}, {problems}", progress)
     if findings.problems:
         raise click.exceptions.Exit(BAD_INPUT)
+
+
+def _tell(line: str, progress: str) -> None:
+    """What was done; programs that read JSON lines know what they asked for."""
+    if progress != "json":
+        say(line)
 
 
 def _count(number: int, what: str) -> str:
@@ -164,7 +170,7 @@ def merge(
         merged, notes = merge_datasets([open_dataset(p) for p in paths], out, options, report)
     for note in notes:
         warn(note, progress)
-    say(f"{out}: {_count(len(merged.entries), 'recording')}")
+    _tell(f"{out}: {_count(len(merged.entries), 'recording')}", progress)
 
 
 @dataset.command(epilog=SPLIT_EXAMPLES)
