@@ -269,8 +269,8 @@ def test_repeated_and_misplaced_rows_are_put_right(tmp_path: Path) -> None:
 
     recording = read_arkit(edit(app_table(tmp_path / "a.csv"), shuffle))
     assert np.array_equal(recording.values, weights(150)[:, :52].astype(np.float32))
-    assert "1 frames out of order" in note_of(recording)
-    assert "1 frames with a repeated time" in note_of(recording)
+    assert "1 frame out of order" in note_of(recording)
+    assert "1 frame with a repeated time" in note_of(recording)
 
 
 def test_of_a_repeated_time_the_row_with_a_face_counts(tmp_path: Path) -> None:
@@ -728,6 +728,35 @@ VALUES = st.recursive(
     ),
     max_leaves=12,
 )
+
+
+ODD: st.SearchStrategy[Any] = st.sampled_from(
+    [None, True, 0, -1, 1e308, 9e18, 10**300, float("nan"), float("inf"), "", "x", "1",
+     "10:00:00:01.5", [], {}, [1], {"a": 1}, [[]], 0.5, 2, 1e5]
+)  # fmt: skip
+
+
+@given(data=st.data(), kind=st.integers(0, 2))
+@IN_FOLDER
+def test_any_change_of_json_is_read_or_refused(
+    tmp_path: Path, data: st.DataObject, kind: int
+) -> None:
+    rows = weights(6).tolist()
+    layouts: list[Any] = [
+        audio2face(6),
+        frames(6),
+        {"names": [*NAMES], "frames": [{"time": i / 60, "weights": r} for i, r in enumerate(rows)]},
+    ]
+    content = place = layouts[kind]
+    for _ in range(data.draw(st.integers(0, 3))):
+        keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+        key = data.draw(st.sampled_from(keys))
+        if not isinstance(place[key], dict | list):
+            break
+        place = place[key]
+    keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+    place[data.draw(st.sampled_from(keys))] = data.draw(ODD)
+    read_or_refuse(write_json(tmp_path / "a.json", content))
 
 
 @given(content=VALUES)

@@ -20,7 +20,7 @@ USUAL_FPS: Final = (
     24000 / 1001, 24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 100.0, 120.0,
 )  # fmt: skip
 FPS_TOLERANCE: Final = 0.005  # share by which a phone's clock may miss a usual rate
-MAX_BACKWARDS: Final = 1.0  # s; frames that far out of order are sorted, more is another take
+MAX_BACKWARDS: Final = 0.1  # s; frames that far out of order are sorted, more is another take
 MAX_GAP: Final = 60.0  # s without a frame; more is another take
 MAX_SPAN: Final = 6 * 3600.0  # s; phones are full or empty before
 LOWEST, HIGHEST = -1.0, 2.0  # a weight beyond is a slip or another scale
@@ -117,8 +117,8 @@ def table_to_recording(path: str | os.PathLike[str], table: FrameTable) -> Arkit
     times, places = table.times[kept], table.places[kept]
     if len(times) < 2:
         raise LipwrightError(
-            f"{path}: has {len(times)} frame{'' if len(times) == 1 else 's'} with a time of its "
-            "own; a recording needs two or more"
+            f"{path}: has {_frames(len(times))} with a time of its own; a recording needs two or "
+            "more"
         )
     _check_times(path, table.unit, times, places)
     full = np.zeros((len(times), len(ARKIT) + len(ANGLES)))
@@ -129,7 +129,7 @@ def table_to_recording(path: str | os.PathLike[str], table: FrameTable) -> Arkit
         raise LipwrightError(f"{path}: no frame has a face; record again")
     values[lost] = np.nan
     if lost.any():
-        of_values = (*of_values, f"{int(lost.sum())} frames without a face")
+        of_values = (*of_values, f"{_frames(int(lost.sum()))} without a face")
     angles, of_angles = _angles(table.match, full[:, len(ARKIT) :], lost)
     return ArkitRecording(
         fps=_frame_rate(path, times),
@@ -140,6 +140,10 @@ def table_to_recording(path: str | os.PathLike[str], table: FrameTable) -> Arkit
         source=table.source,
         notes=(*table.match.notes, *table.notes, *notes, *of_values, *of_angles),
     )
+
+
+def _frames(count: int) -> str:
+    return "1 frame" if count == 1 else f"{count} frames"
 
 
 def _order(
@@ -164,8 +168,8 @@ def _order(
     return kept, tuple(
         note
         for count, note in (
-            (late, f"{late} frames out of order, sorted by time"),
-            (again, f"{again} frames with a repeated time left out"),
+            (late, f"{_frames(late)} out of order, sorted by time"),
+            (again, f"{_frames(again)} with a repeated time left out"),
         )
         if count
     )
@@ -213,7 +217,8 @@ def _weights(
         )
     outside = int(((values < -1e-6) | (values > 1 + 1e-6)).sum())
     if outside:
-        notes = (*notes, f"{outside} values outside 0 to 1, clamped")
+        what = "1 value" if outside == 1 else f"{outside} values"
+        notes = (*notes, f"{what} outside 0 to 1, clamped")
     return values.clip(0, 1), notes
 
 

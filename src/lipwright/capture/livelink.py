@@ -10,7 +10,10 @@ from __future__ import annotations
 import csv
 import io
 import os
+from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Final
 
@@ -72,28 +75,29 @@ def read_live_link(path: str | os.PathLike[str], timecode_fps: int | None = None
     """
     text = read_text(path)
     lines = _read_cells(path, text)
-    if not lines:
+    _, header = next(lines, (0, []))
+    if not header:
         raise LipwrightError(f"{path}: is empty; export the recording again")
-    header = [cell.strip() for cell in lines[0][1]]
-    columns = _find_columns(path, header)
+    columns = _find_columns(path, [cell.strip() for cell in header])
+    stamps = Stamps(path, timecode_fps, columns.header[columns.time])
+    rows, places = array("d"), array("q")  # an hour of lists of numbers would take gigabytes
     notes: tuple[str, ...] = ()
-    if len(lines) > 1 and _is_cut(path, text, lines[-1], columns):
-        notes = (f"the last line ({lines[-1][0]}) is cut and left out",)
-        lines.pop()
-    if len(lines) == 1:
-        raise LipwrightError(f"{path}: has a header and no frames; export the recording again")
-    stamps = Stamps(path, timecode_fps, header[columns.time])
-    rows = np.empty((len(lines) - 1, len(columns.match.columns)))
-    for index, (line, cells) in enumerate(lines[1:]):
-        rows[index] = _row(path, line, cells, columns)
+    for (line, cells), (_, follower) in pairwise(chain(lines, [(0, list[str]())])):
+        if not follower and _is_cut(path, text, line, cells, columns):
+            notes = (f"the last line ({line}) is cut and left out",)
+            break
+        rows.extend(_row(path, line, cells, columns))
+        places.append(line)
         stamps.add(f"line {line}", _cell(cells, columns.time))
+    if not places:
+        raise LipwrightError(f"{path}: has a header and no frames; export the recording again")
     clock = stamps_to_times(stamps)
-    app = APP if plain_name(header[columns.time]) == TIMECODE else "table"
+    app = APP if plain_name(columns.header[columns.time]) == TIMECODE else "table"
     table = FrameTable(
         match=columns.match,
         times=clock.times,
-        rows=rows,
-        places=np.array([line for line, _ in lines[1:]]),
+        rows=np.array(rows).reshape(len(places), -1),
+        places=np.array(places),
         unit="line",
         source=f"{app} CSV, {clock.layout}",
         timecode=clock.timecode,
@@ -107,18 +111,20 @@ def _header_cells(line: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
-def _read_cells(path: str | os.PathLike[str], text: str) -> list[tuple[int, list[str]]]:
+def _read_cells(path: str | os.PathLike[str], text: str) -> Iterator[tuple[int, list[str]]]:
     """Number and cells of each line that is not empty."""
     delimiter = max(_DELIMITERS, key=text.partition("\n")[0].count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
     try:
-        lines = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
+        for cells in reader:
+            if any(map(str.strip, cells)):
+                # Where a semicolon parts the cells, the decimal sign is a comma.
+                yield (
+                    reader.line_num,
+                    [cell.replace(",", ".") for cell in cells] if delimiter == ";" else cells,
+                )
     except csv.Error as error:
         raise LipwrightError(f"{path}: line {reader.line_num}: not CSV: {error}") from None
-    if delimiter != ";":
-        return lines
-    # Where a semicolon parts the cells, the decimal sign is a comma.
-    return [(line, [cell.replace(",", ".") for cell in cells]) for line, cells in lines]
 
 
 def _find_columns(path: str | os.PathLike[str], header: list[str]) -> _Columns:
@@ -147,10 +153,9 @@ def _cell(cells: list[str], column: int) -> str:
 
 
 def _is_cut(
-    path: str | os.PathLike[str], text: str, last: tuple[int, list[str]], columns: _Columns
+    path: str | os.PathLike[str], text: str, line: int, cells: list[str], columns: _Columns
 ) -> bool:
     """Whether the last line ends somewhere: the app was stopped, or the copy."""
-    line, cells = last
     if text.endswith(("\n", "\r")):
         return len(cells) < len(columns.header) and not _is_lost(cells, columns)
     if not cells[-1].strip():
