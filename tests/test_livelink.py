@@ -14,7 +14,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lipwright.capture.arkit_import import find_sound, find_takes, read_arkit, take_stem
+from lipwright.capture.arkit_import import (
+    find_sound,
+    find_takes,
+    read_arkit,
+    sounds_beside,
+    take_names,
+    take_stem,
+)
 from lipwright.capture.arkit_motion import to_motion
 from lipwright.capture.arkit_names import ANGLES, control_column
 from lipwright.capture.arkit_recording import ArkitRecording
@@ -663,6 +670,14 @@ def test_sound_is_found_beside(
         (tmp_path / name).touch()
     expected = None if found is None else tmp_path / found
     assert find_sound(tmp_path / recording) == expected
+
+
+def test_all_sounds_of_a_take_are_found_the_best_first(tmp_path: Path) -> None:
+    for name in ("A_1.wav", "A_1_iPhone.mov", "A_1_iPhone.wav", "A_2.wav", "A_1_iPhone_cal.csv"):
+        (tmp_path / name).touch()
+    found = [path.name for path in sounds_beside(tmp_path / "A_1_iPhone_cal.csv")]
+    assert found == ["A_1_iPhone.wav", "A_1_iPhone.mov", "A_1.wav"]
+    assert take_names("A_1_iPhone_cal.csv") == ("A_1_iPhone_cal", "A_1_iPhone", "A_1")
 
 
 def test_sound_of_a_recording_in_no_folder_is_none(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
@@ -71,22 +72,28 @@ def find_takes(files: Iterable[Path]) -> tuple[Path, ...]:
     return tuple(sorted(takes.values()))
 
 
+def take_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Stems that files of the same take may have, the most exact first.
+
+    `A_1_iPhone_cal.csv` goes with `A_1_iPhone_cal`, `A_1_iPhone` and `A_1`.
+    """
+    stem = take_stem(path)
+    return tuple(dict.fromkeys((Path(path).stem, stem, _DEVICE.sub("", stem))))
+
+
+def sounds_beside(path: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """The sounds and movies of a recording's take in its folder, the best first."""
+    folder = Path(path).parent
+    names = [name.casefold() for name in take_names(path)]
+    found: list[tuple[int, int, Path]] = []
+    with suppress(OSError):
+        for file in sorted(os.listdir(folder)):  # noqa: PTH208  # folders of thousands of files
+            stem, suffix = os.path.splitext(file.casefold())  # noqa: PTH122  # the same
+            if stem in names and suffix in SOUND_SUFFIXES and (folder / file).is_file():
+                found.append((names.index(stem), SOUND_SUFFIXES.index(suffix), folder / file))
+    return tuple(file for _, _, file in sorted(found))
+
+
 def find_sound(path: str | os.PathLike[str]) -> Path | None:
     """The sound or movie beside a recording: of its name, or of its take's without the device."""
-    recording = Path(path)
-    stem = take_stem(recording)
-    wanted = (recording.stem, stem, _DEVICE.sub("", stem))
-    try:
-        beside = sorted(file for file in recording.absolute().parent.iterdir() if file.is_file())
-    except OSError:
-        return None
-    rank = {suffix: index for index, suffix in enumerate(SOUND_SUFFIXES)}
-    for name in dict.fromkeys(wanted):
-        found = [
-            file
-            for file in beside
-            if file.stem.casefold() == name.casefold() and file.suffix.casefold() in rank
-        ]
-        if found:
-            return recording.parent / min(found, key=lambda f: rank[f.suffix.casefold()]).name
-    return None
+    return next(iter(sounds_beside(path)), None)
