@@ -658,6 +658,7 @@ def test_takes_are_told_by_their_header_and_counted_once(tmp_path: Path) -> None
         ("A_1_iPhone_raw.csv", ["A_1.mov"], "A_1.mov"),
         ("A_1_Evans_Iphone.csv", ["A_1_Evans.mov"], "A_1_Evans.mov"),
         ("A.csv", ["A.mov", "A.wav"], "A.wav"),
+        ("talk.livelink.csv", ["talk.wav"], "talk.wav"),
         ("A.json", ["A.flac", "B.wav"], "A.flac"),
         ("A_1.csv", ["A.wav"], None),
         ("A.csv", ["A.txt", "AB.wav"], None),

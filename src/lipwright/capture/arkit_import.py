@@ -24,7 +24,7 @@ SOUND_SUFFIXES: Final = (
 # With a calibration the app writes three tables of a take: the weights less those of the neutral
 # pose, as they were, and the pose.
 _PARTS: Final = ("", "cal", "raw")
-_PART: Final = re.compile(r"_(cal|raw|neutral)$", re.IGNORECASE)
+_PART: Final = re.compile(r"(?:_(cal|raw|neutral)|\.livelink)$", re.IGNORECASE)
 _DEVICE: Final = re.compile(r"_i(?:phone|pad)[\w ]*$", re.IGNORECASE)
 
 
@@ -48,13 +48,16 @@ def read_arkit(path: str | os.PathLike[str], timecode_fps: int | None = None) ->
 
 
 def take_stem(path: str | os.PathLike[str]) -> str:
-    """The name of a take without what the app adds: `A_1_iPhone_cal.csv` is of `A_1_iPhone`."""
+    """The name of a take without what the app, or our export, adds to it.
+
+    `A_1_iPhone_cal.csv` is of `A_1_iPhone`, `talk.livelink.csv` of `talk`.
+    """
     return _PART.sub("", Path(path).stem)
 
 
 def _part(path: Path) -> str:
     match = _PART.search(path.stem)
-    return match[1].casefold() if match else ""
+    return match[1].casefold() if match and match[1] else ""
 
 
 def find_takes(files: Iterable[Path]) -> tuple[Path, ...]:
