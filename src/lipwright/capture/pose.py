@@ -122,12 +122,12 @@ def _steady(poses: Floats, table: Floats, points: Floats, fps: float) -> Floats:
     from scipy.spatial.transform import Rotation
 
     known = np.isfinite(poses).all(axis=(1, 2))
-    scales = np.cbrt(np.linalg.det(poses[:, :, :3]))
-    rotations = Rotation.from_matrix(poses[known, :, :3] / scales[known, None, None])
+    scales = np.cbrt(np.linalg.det(poses[known, :, :3]))
+    rotations = Rotation.from_matrix(poses[known, :, :3] / scales[:, None, None])
     middle = rotations.mean()
     vectors = np.full((len(poses), 4), np.nan)
     vectors[known, :3] = (rotations * middle.inv()).as_rotvec()
-    vectors[known, 3] = np.log(scales[known])
+    vectors[known, 3] = np.log(scales)
     steady_vectors = low_pass(vectors, fps, CUTOFF)[known]
     turns = (Rotation.from_rotvec(steady_vectors[:, :3]) * middle).as_matrix()
     steady = np.full_like(poses, np.nan)

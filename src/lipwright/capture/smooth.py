@@ -35,11 +35,11 @@ def smooth(landmarks: npt.NDArray[np.floating], fps: float) -> npt.NDArray[np.fl
 def _kept(gaps: Floats, smoothed_gaps: Floats, fps: float) -> Floats:
     """(T,), the share 0 to 1 in which each frame is kept: 1 at deep minima that were opened."""
     weight = np.zeros(len(gaps))
-    if np.isnan(gaps).all():
+    if not np.isfinite(gaps).any():
         return weight
     deep = DEEP * np.nanpercentile(gaps, LOUD_PERCENTILE)
     reach, fade = max(round(AROUND * fps), 1), FADE * fps
-    for first, stop in runs(np.asarray(~np.isnan(gaps))):
+    for first, stop in runs(np.isfinite(gaps)):
         run = gaps[first:stop]
         padded = np.pad(run, 1, constant_values=np.inf)
         minima = np.flatnonzero((run <= padded[:-2]) & (run <= padded[2:]))
@@ -70,7 +70,7 @@ def low_pass(values: npt.NDArray[np.floating], fps: float, cutoff: float) -> Flo
     return smoothed
 
 
-def runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs(mask: npt.ArrayLike) -> list[tuple[int, int]]:
     """First and stop of each run of true values of (T,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -193,7 +193,9 @@ def _moving_picture(path: str | os.PathLike[str], container: InputContainer) -> 
         raise LipwrightError(
             f"{path}: is {stream.width} x {stream.height} pixels; scale it to {LARGEST} or less"
         )
-    stream.thread_type = "AUTO"
+    # One thread: with more, closing a decoder before its end can wait for ever for a thread that
+    # waits for the interpreter. Several videos are tracked at once anyway.
+    stream.codec_context.thread_count = 1
     return stream
 
 
