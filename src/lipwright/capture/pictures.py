@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.capture.pose import to_picture
 from lipwright.dataset.recording import Flag, Motion
 from lipwright.errors import MissingExtraError
 from lipwright.evaluate.lips import BILABIALS, speech_span
@@ -76,8 +77,7 @@ def pixel_landmarks(motion: Motion) -> Points | None:
     """(T, 478, 2), the smoothed landmarks in pixels of the picture; NaN where lost."""
     if motion.landmarks is None or motion.head_pose is None:
         return None
-    pose = motion.head_pose[:, :2]
-    return np.asarray(motion.landmarks @ pose[:, :, :3].transpose(0, 2, 1) + pose[:, None, :, 3])
+    return to_picture(motion.landmarks, motion.head_pose)[..., :2]
 
 
 def choose_frames(

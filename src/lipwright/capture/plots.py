@@ -101,7 +101,7 @@ def plot_rows(recording: Recording, head_aperture: Floats | None = None) -> list
     curves = [
         (kind, values)
         for kind, values in (
-            ("raw", motion.aperture_raw), ("head", head_aperture), ("smooth", motion.aperture),
+            ("smooth", motion.aperture), ("head", head_aperture), ("raw", motion.aperture_raw),
         )
         if values is not None and np.isfinite(values).any()
     ]  # fmt: skip

@@ -61,24 +61,27 @@ def head_turns(head_pose: Floats) -> npt.NDArray[np.float64]:
         return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def lip_jitter(landmarks: Floats, landmarks_raw: Floats) -> float:
-    """How far lips that rest are off their smoothed place: the root mean square in eye distances.
+def lip_jitter(landmarks_raw: Floats) -> float:
+    """How far the tracker's points on resting lips are off from frame to frame, eye distances.
+
+    The standard deviation of a point's place, had it the same noise in every frame: each frame is
+    compared with the middle between its neighbours, which a steady movement leaves at zero.
 
     Args:
-        landmarks: (T, 478, 3), smoothed; NaN where lost.
-        landmarks_raw: the same before smoothing.
+        landmarks_raw: (T, 478, 3), before smoothing, in the head's frame; NaN where lost.
     """
-    lips = list(LIP_LANDMARKS)
-    smooth, raw = (a[:, lips, :2].astype(np.float64) for a in (landmarks, landmarks_raw))
-    off = ((raw - smooth) ** 2).sum(axis=-1).mean(axis=1)
-    speed = np.full(len(smooth), np.nan)
-    if len(smooth) > 2:
-        speed[1:-1] = np.linalg.norm(smooth[2:] - smooth[:-2], axis=-1).mean(axis=1)
-    known = np.flatnonzero(np.isfinite(speed) & np.isfinite(off))
+    lips = landmarks_raw[:, list(LIP_LANDMARKS), :2].astype(np.float64)
+    if len(lips) < 3:
+        return float("nan")
+    before, here, after = lips[:-2], lips[1:-1], lips[2:]
+    # A frame less the mean of two others has 1 + 1/2 times the variance of one.
+    variance = ((here - (before + after) / 2) ** 2).sum(axis=-1).mean(axis=1) / 1.5
+    speed = np.linalg.norm(after - before, axis=-1).mean(axis=1)
+    known = np.flatnonzero(np.isfinite(variance))
     if not len(known):
         return float("nan")
     quiet = known[np.argsort(speed[known], kind="stable")[: math.ceil(QUIET * len(known))]]
-    return float(np.sqrt(off[quiet].mean()))
+    return float(np.sqrt(variance[quiet].mean()))
 
 
 def mean_confidence(track: PhoneTrack) -> float:
@@ -177,7 +180,7 @@ def measure_quality(
         lag: by how much a frame's time is ahead of the clock of the sound, s: the offset, less the
             picture's start.
         misfits: words that do not fit the sound.
-        landmarks_raw: `motion.landmarks` before smoothing, (T, 478, 3); without them there is
+        landmarks_raw: (T, 478, 3), `motion.landmarks` before smoothing; without them there is
             no jitter.
         arkit_aperture: (T,), the aperture of the head posed by `motion.arkit`.
 
@@ -197,8 +200,8 @@ def measure_quality(
         **_closure_figures(motion, track, lag),
     }
     jitter = None
-    if motion.landmarks is not None and landmarks_raw is not None:
-        jitter = lip_jitter(motion.landmarks, landmarks_raw)
+    if landmarks_raw is not None:
+        jitter = lip_jitter(landmarks_raw)
     quality["jitter"] = rounded(jitter, 6)
     r = gain = None
     if motion.aperture is not None and arkit_aperture is not None:

@@ -69,11 +69,12 @@ def reject_reasons(
 def _picture_reasons(quality: Mapping[str, Any], limits: RejectLimits) -> Iterator[str]:
     frames = quality.get("frames") or 1
     if (share := quality.get("tracked")) is not None and share < limits.tracked:
-        yield f"a face in {share:.1%} of the frames, under {limits.tracked:.0%}"
+        yield f"a face in {100 * share:.1f} % of the frames, under {100 * limits.tracked:.0f} %"
     if (dropped := quality.get("dropped") or 0) > limits.dropped * frames:
-        yield f"{dropped} of {frames} frames are missing, over {limits.dropped:.0%}"
+        yield f"{dropped} of {frames} frames are missing, over {100 * limits.dropped:.0f} %"
     if (share := quality.get("second_face") or 0.0) > limits.second_face:
-        yield f"a second face in {share:.1%} of the frames, over {limits.second_face:.0%}"
+        limit = 100 * limits.second_face
+        yield f"a second face in {100 * share:.1f} % of the frames, over {limit:.0f} %"
     if (turn := quality.get("turn_usual_deg")) is not None and turn > limits.turn_deg:
         yield f"the face is turned away by {turn:.0f} degrees, over {limits.turn_deg:.0f}"
     if (eyes := quality.get("eye_distance_px")) is not None and eyes < limits.eye_distance_px:
@@ -88,7 +89,7 @@ def _lip_reasons(quality: Mapping[str, Any], limits: RejectLimits) -> Iterator[s
     bilabials, wide = quality.get("bilabials") or 0, quality.get("bilabials_open") or 0
     if wide > limits.bilabials_open * bilabials:
         limit = limits.bilabials_open
-        yield f"the lips stay open at {wide} of {bilabials} p, b, m, over {limit:.0%}"
+        yield f"the lips stay open at {wide} of {bilabials} p, b, m, over {100 * limit:.0f} %"
 
 
 def _speech_reasons(quality: Mapping[str, Any], limits: RejectLimits) -> Iterator[str]:
@@ -97,7 +98,7 @@ def _speech_reasons(quality: Mapping[str, Any], limits: RejectLimits) -> Iterato
         yield f"the words fit the sound by {confidence:.2f}, under {limits.confidence:g}"
     words, misfits = quality.get("words") or 0, quality.get("misfits") or 0
     if misfits > limits.misfits * words:
-        yield f"{misfits} of {words} words do not fit the sound, over {limits.misfits:.0%}"
+        yield f"{misfits} of {words} words do not fit the sound, over {100 * limits.misfits:.0f} %"
 
 
 def _offset_reasons(offset: Mapping[str, Any], limits: RejectLimits) -> Iterator[str]:

@@ -29,6 +29,7 @@ from lipwright.capture.plots import (
     histogram,
     plot_rows,
 )
+from lipwright.capture.rejection import DEFAULT_LIMITS
 from lipwright.controls import CANONICAL
 from lipwright.dataset.folder import CAPTURED, FAILED, RECORDINGS, REJECTED, REPORT, Dataset
 from lipwright.dataset.recording import PICTURE_FILE, Recording
@@ -183,6 +184,7 @@ def _environment() -> Any:
     )
     environment.globals |= {
         "mark": MARK, "style": STYLE, "columns": COLUMNS, "figures": FIGURES, "size": SIZE,
+        "unsure": DEFAULT_LIMITS.confidence,
     }  # fmt: skip
     environment.filters |= {"address": lambda name: quote(page_name(name)), "shown": shown}
     return environment
@@ -265,10 +267,6 @@ def _page(
     info = recording.info
     picture = recording.folder / PICTURE_FILE
     address = quote(f"../{RECORDINGS}/{row.name}/{PICTURE_FILE}")
-    words = [
-        {"text": word.text, "span": recording.track.word_span(word), "confidence": word.confidence}
-        for word in recording.track.words
-    ]
     files = {role: str(_mapping(source).get("path", ""))
              for role, source in _mapping(info.get("source")).items()}  # fmt: skip
     unclosed = _mapping(info.get("quality")).get("unclosed")
@@ -279,11 +277,25 @@ def _page(
         "rows": plot_rows(recording, _head_aperture(head, recording)),
         "curves": {"aperture": recording.motion.aperture is not None, "head": head is not None},
         "picture": address if picture.is_file() else "",
-        "words": words,
+        "words": _words(recording),
         "files": files,
         "unclosed": unclosed if isinstance(unclosed, list) else [],
         "fps": recording.motion.fps,
     }
+
+
+def _words(recording: Recording) -> list[dict[str, Any]]:
+    """Text, start, end and confidence of each word; the track knows no confidence by itself."""
+    told = recording.info.get("words")
+    if isinstance(told, list) and told:
+        return [{key: word.get(key) for key in ("text", "start", "end", "confidence")}
+                for word in map(_mapping, told)]  # fmt: skip
+    track = recording.track
+    spans = [track.word_span(word) for word in track.words]
+    return [
+        {"text": word.text, "start": start, "end": end, "confidence": word.confidence}
+        for word, (start, end) in zip(track.words, spans, strict=True)
+    ]
 
 
 def _title(dataset: Dataset) -> str:
