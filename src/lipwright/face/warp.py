@@ -133,6 +133,15 @@ class Grid:
         return int(self.mask.sum())
 
     @cached_property
+    def _weights(self) -> npt.NDArray[np.float32]:
+        """(P, 34), how each pixel's place hangs on the vertices."""
+        index, weights = self._raster
+        matrix = np.zeros((self.count, N), np.float32)
+        corners = self.triangles[index[self.mask]]
+        np.put_along_axis(matrix, corners, weights[self.mask], axis=1)
+        return matrix
+
+    @cached_property
     def _nearest(self) -> npt.NDArray[np.intp]:
         """(H, W), the number of the pixel of the mask that is nearest."""
         from scipy.ndimage import distance_transform_edt
@@ -146,9 +155,7 @@ class Grid:
 
     def sample(self, picture: Pixels, points: Points) -> Pixels:
         """The pixels (P, 3) of a face whose vertices are at `points` (34, 2) of `picture`."""
-        index, weights = self._raster
-        corners = np.asarray(points, np.float32)[self.triangles[index[self.mask]]]  # (P, 3, 2)
-        places = np.einsum("pk,pkd->pd", weights[self.mask], corners) - np.float32(0.5)
+        places = self._weights @ np.asarray(points, np.float32) - np.float32(0.5)
         cv2 = opencv()
         # remap takes no more than 32,767 rows or columns; a few long rows do.
         rows = -(-len(places) // 1024)
