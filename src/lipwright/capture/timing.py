@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,6 +19,7 @@ SNAP: Final = 0.005  # share by which a usual rate may differ from the measured 
 SAME: Final = 0.25  # intervals by which a frame may miss its place on the grid and be taken as is
 LONGEST_STEP: Final = 1.5  # intervals between two frames that may still be interpolated
 _UNSTEADY: Final = 0.02  # share by which the mean rate of steady frames may differ from the median
+_ROUNDING: Final = 0.0006  # s by which rounding to ms moves the median interval, and a bit
 _EMPTY: Final = 60.0  # s without frames, in all, that a video may have: longer is a broken clock
 
 
@@ -82,7 +84,7 @@ def frame_rate(times: Seconds) -> float:
     whole = np.maximum(np.round(steps / interval), 1)
     counted = np.concatenate([[0.0], np.cumsum(whole)])
     fitted = float(np.polyfit(counted, times, 1)[0])
-    if abs(fitted / interval - 1) > _UNSTEADY:
+    if abs(fitted - interval) > max(_UNSTEADY * interval, _ROUNDING):
         fitted = interval
     usual = min(USUAL_FPS, key=lambda fps: abs(fps * fitted - 1))
     if abs(usual * fitted - 1) > SNAP:
@@ -99,7 +101,7 @@ def make_grid(times: Seconds, fps: float) -> Grid:
         ValueError: the times jump, so that most of the grid would be empty.
     """
     place = times * fps  # where each frame stands on the grid, in intervals
-    count = round(place[-1]) + 1
+    count = math.floor(place[-1] + SAME) + 1
     if count - len(times) > max(len(times), _EMPTY * fps):
         jump = int(np.argmax(np.diff(times)))
         raise ValueError(

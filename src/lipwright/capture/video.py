@@ -131,7 +131,8 @@ def read_pictures(
     """
     video = path if isinstance(path, Video) else open_video(path)
     nearest = video.grid.nearest
-    chosen = np.arange(len(nearest)) if wanted is None else np.unique(list(wanted))
+    indices = range(len(nearest)) if wanted is None else wanted
+    chosen = np.unique(np.array(list(indices), np.int64))
     shown: dict[int, list[int]] = {}
     for index in chosen[nearest[chosen] >= 0]:
         shown.setdefault(int(nearest[index]), []).append(int(index))
