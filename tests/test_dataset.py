@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -37,10 +37,11 @@ from lipwright.dataset.recording import Motion, save_motion, write_info
 from lipwright.dataset.splits import (
     SPLITS,
     SplitOptions,
-    assign_splits,
+    check_hold_outs,
     default_count,
     split_dataset,
     split_names,
+    split_options,
     split_order,
 )
 from lipwright.dataset.summary import rarest, summarise
@@ -89,7 +90,7 @@ def make(
         "format": FORMAT, "version": 1, "lipwright": "0.1.0", "name": path.name,
         "licence": licence, "options": {}, "recordings": entries,
     }  # fmt: skip
-    dataset = assign_splits(Dataset(path, manifest))
+    dataset = split_dataset(Dataset(path, manifest), SplitOptions())
     dataset.save()
     return dataset
 
@@ -185,11 +186,17 @@ class TestSplitting:
         assert held.names("train") == ("cleo",)
 
     def test_the_manifest_keeps_how_it_was_split(self, faces: Dataset) -> None:
-        options = SplitOptions(1, 1, "x", ("a*",), (), keep=True)
-        split_dataset(faces, options).save()
-        again = assign_splits(open_dataset(faces.path))
-        assert again.entries == open_dataset(faces.path).entries
-        assert again.manifest["split"]["hold_out"] == ["a*"]
+        options = SplitOptions(1, 1, "x", ("a*",), ("me",))
+        assert split_options({}) == SplitOptions()
+        manifest = json.loads(json.dumps({"split": asdict(options)}))
+        assert split_options(manifest) == options
+
+    def test_what_has_a_split_can_keep_it(self, faces: Dataset) -> None:
+        for entry, old in zip(faces.manifest["recordings"], ("test", "unseen", None), strict=True):
+            entry["split"] = old
+        kept = split_dataset(faces, SplitOptions(validation=1), keep=True)
+        assert kept.names("test") == ("anna",)
+        assert {*kept.names("validation"), *kept.names("train")} == {"bert", "cleo"}
 
     @pytest.mark.parametrize(
         ("options", "reason"),
@@ -203,14 +210,15 @@ class TestSplitting:
     def test_splits_that_cannot_be_are_refused(
         self, faces: Dataset, options: SplitOptions, reason: str
     ) -> None:
-        with pytest.raises(LipwrightError, match=r"faces") as caught:
+        with pytest.raises(LipwrightError, match=r"faces") as caught:  # noqa: PT012
+            check_hold_outs(faces, options)
             split_dataset(faces, options)
         assert reason in one_line(caught)
 
-    def test_a_broken_split_in_the_manifest_is_named(self, faces: Dataset) -> None:
+    def test_a_broken_split_in_the_manifest_is_named(self) -> None:
         for broken in ([], {"test": "x"}, {"test": -1}, {"hold_out": 3}):
             with pytest.raises(LipwrightError, match=r"dataset\.json: 'split' is broken"):
-                assign_splits(Dataset(faces.path, {**faces.manifest, "split": broken}))
+                split_options({"split": broken})
 
     def test_the_command_writes_the_manifest_and_says_the_counts(self, faces: Dataset) -> None:
         names = faces.path / "names.txt"
@@ -220,6 +228,8 @@ class TestSplitting:
         assert "1 train, 2 unseen" in done.stderr
         assert open_dataset(faces.path).names("unseen") == ("anna", "bert")
         done = call("split", faces.path, "--test", 1, "--seed", "x")
+        assert "1 test, 2 train" in done.stderr
+        done = call("split", faces.path, "--keep", "--test", 0)
         assert "1 test, 2 train" in done.stderr
         names.write_text("\n")
         for value in (names, faces.path / "recordings/anna/audio.flac"):

@@ -194,15 +194,15 @@ def split(
     """
     from lipwright.dataset.folder import open_dataset
     from lipwright.dataset.lock import locked
-    from lipwright.dataset.splits import SEED, SplitOptions, split_dataset
+    from lipwright.dataset.splits import SEED, SplitOptions, check_hold_outs, split_dataset
     from lipwright.dataset.summary import count_values
 
     words = tuple(word for word in (hold_out_words or "").split(",") if word.strip())
     patterns = tuple(pattern for value in hold_out for pattern in _patterns(value))
-    options = SplitOptions(test, validation, SEED if seed is None else seed, patterns, words, keep)
-    found = open_dataset(path)
+    options = SplitOptions(test, validation, SEED if seed is None else seed, patterns, words)
+    check_hold_outs(open_dataset(path), options)
     with locked(path):
-        changed = split_dataset(open_dataset(found.path), options)
+        changed = split_dataset(open_dataset(path), options, keep=keep)
         changed.save()
     say(f"{path}: {_listed(count_values(entry['split'] for entry in changed.entries))}")
 

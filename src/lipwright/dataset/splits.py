@@ -53,8 +53,6 @@ class SplitOptions:
     """patterns such as `*m??`; recordings with such names become `unseen`"""
     hold_out_words: tuple[str, ...] = ()
     """recordings that say one of these words become `unseen`; capitals do not count"""
-    keep: bool = False
-    """recordings that have a split stay there, as far as they are not held out"""
 
     def __post_init__(self) -> None:
         """Check."""
@@ -110,13 +108,13 @@ def _bare(word: str) -> str:
     return word.casefold().strip(" .,;:!?\"()'")
 
 
-def split_options(dataset: Dataset) -> SplitOptions:
+def split_options(manifest: Mapping[str, Any]) -> SplitOptions:
     """How a dataset was split last; the usual way where its manifest does not say.
 
     Raises:
         LipwrightError: what it says is no such thing.
     """
-    stored = dataset.manifest.get("split", {})
+    stored = manifest.get("split", {})
     try:
         return SplitOptions(
             stored.get("test"),
@@ -124,21 +122,18 @@ def split_options(dataset: Dataset) -> SplitOptions:
             str(stored.get("seed", SEED)),
             tuple(map(str, stored.get("hold_out", ()))),
             tuple(map(str, stored.get("hold_out_words", ()))),
-            stored.get("keep") is True,
         )
     except (AttributeError, TypeError, ValueError) as error:
         raise LipwrightError(
-            f"{dataset.path / MANIFEST_FILE}: 'split' is broken ({error}); "
-            "run: lipwright dataset split"
+            f"{MANIFEST_FILE}: 'split' is broken ({error}); run: lipwright dataset split"
         ) from error
 
 
-def split_dataset(dataset: Dataset, options: SplitOptions) -> Dataset:
-    """The dataset split anew, and `options` kept in its manifest; nothing is written.
+def check_hold_outs(dataset: Dataset, options: SplitOptions) -> None:
+    """Refuse a pattern or a word that holds nothing out, as a slip of the pen does.
 
     Raises:
-        LipwrightError: a file cannot be read, nothing is left to train on, or a pattern or word
-            holds nothing out.
+        LipwrightError: there is one.
     """
     words = _words(dataset, options)
     said = {_bare(word) for spoken in words.values() for word in spoken}
@@ -148,30 +143,27 @@ def split_dataset(dataset: Dataset, options: SplitOptions) -> Dataset:
     for pattern in options.hold_out:
         if not any(fnmatchcase(name, pattern) for name in words):
             raise LipwrightError(f"{dataset.path}: no recording has a name like {pattern!r}")
-    return assign_splits(
-        Dataset(dataset.path, {**dataset.manifest, "split": asdict(options)}), words
-    )
 
 
-def assign_splits(dataset: Dataset, words: Mapping[str, tuple[str, ...]] | None = None) -> Dataset:
-    """The dataset with a split for each recording, as its manifest asks; nothing is written.
+def split_dataset(dataset: Dataset, options: SplitOptions, *, keep: bool = False) -> Dataset:
+    """The dataset split anew, and `options` kept in its manifest; nothing is written.
 
     All recordings take part, rejected and failed ones too, so that none moves when another is
     rejected.
 
     Args:
         dataset: what to split.
-        words: name to what is said, where it has been read already.
+        options: how.
+        keep: recordings that have a split stay there, as far as they are not held out.
 
     Raises:
         LipwrightError: a file cannot be read, or nothing is left to train on.
     """
-    options = split_options(dataset)
-    words = _words(dataset, options) if words is None else words
+    words = _words(dataset, options)
     kept = {
         entry["name"]: entry["split"]
         for entry in dataset.entries
-        if options.keep and entry.get("split") in (TRAIN, VALIDATION, TEST)
+        if keep and entry.get("split") in (TRAIN, VALIDATION, TEST)
     }
     try:
         splits = split_names(words, options, kept)
@@ -183,7 +175,10 @@ def assign_splits(dataset: Dataset, words: Mapping[str, tuple[str, ...]] | None 
     if splits and TRAIN not in splits.values():
         raise LipwrightError(f"{dataset.path}: nothing is left to train on; hold out less")
     entries = [{**entry, "split": splits[entry["name"]]} for entry in dataset.entries]
-    return Dataset(dataset.path, {**dataset.manifest, "recordings": entries})
+    how = {**asdict(options), "hold_out": list(options.hold_out),
+           "hold_out_words": list(options.hold_out_words)}  # fmt: skip
+    manifest = {**dataset.manifest, "split": how, "recordings": entries}
+    return Dataset(dataset.path, manifest)
 
 
 def _words(dataset: Dataset, options: SplitOptions) -> dict[str, tuple[str, ...]]:
