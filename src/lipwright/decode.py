@@ -200,7 +200,8 @@ def _check_ogg_end(file: IO[bytes], name: str, seconds: float) -> None:
 def _av_blocks(file: IO[bytes], name: str) -> Iterator[tuple[int, Block]]:
     import av
 
-    av.logging.set_level(av.logging.PANIC)  # libav writes to standard error otherwise
+    # With a level, libav's threads call Python for each message, and wait for ever if it waits.
+    av.logging.set_level(None)
     marked, short = _has_mp3_length(file), _is_short_avi(file)
     file.seek(0)
     try:
