@@ -76,7 +76,8 @@ def lip_jitter(landmarks_raw: Floats) -> float:
     before, here, after = lips[:-2], lips[1:-1], lips[2:]
     # A frame less the mean of two others has 1 + 1/2 times the variance of one.
     variance = ((here - (before + after) / 2) ** 2).sum(axis=-1).mean(axis=1) / 1.5
-    speed = np.linalg.norm(after - before, axis=-1).mean(axis=1)
+    steps = [np.linalg.norm(step, axis=-1).mean(axis=1) for step in (here - before, after - here)]
+    speed = np.maximum(*steps)  # both: at the top of an opening the neighbours are alike
     known = np.flatnonzero(np.isfinite(variance))
     if not len(known):
         return float("nan")

@@ -5,11 +5,7 @@ The pages need no network and no server. The same dataset gives the same bytes.
 
 from __future__ import annotations
 
-import hashlib
-import statistics
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import quote
@@ -17,6 +13,7 @@ from urllib.parse import quote
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.capture.observe import head_aperture
 from lipwright.capture.plots import (
     CURVE_TOP,
     LEFT,
@@ -25,16 +22,21 @@ from lipwright.capture.plots import (
     TIMES_Y,
     WIDTH,
     WORDS_Y,
-    Histogram,
-    histogram,
     plot_rows,
 )
 from lipwright.capture.rejection import DEFAULT_LIMITS
-from lipwright.controls import CANONICAL
-from lipwright.dataset.folder import CAPTURED, FAILED, RECORDINGS, REJECTED, REPORT, Dataset
+from lipwright.capture.summary import (
+    Row,
+    as_number,
+    mapping,
+    overview,
+    page_name,
+    read_row,
+    title_of,
+)
+from lipwright.dataset.folder import RECORDINGS, REPORT, Dataset
 from lipwright.dataset.recording import PICTURE_FILE, Recording
 from lipwright.errors import LipwrightError, MissingExtraError
-from lipwright.face.head import Head, load_head
 from lipwright.files import write_whole
 
 INDEX: Final = "index.html"
@@ -77,38 +79,6 @@ Progress = Callable[[float], None]
 """told which share is done, 0 to 1"""
 
 
-@dataclass(frozen=True)
-class Row:
-    """A recording in the report's table; figures are None where they are not known."""
-
-    name: str
-    page: str
-    """its page, as a quoted address; empty where it has none"""
-    status: str
-    split: str
-    reasons: tuple[str, ...]
-    """why it failed, was rejected or should be"""
-    warnings: tuple[str, ...]
-    seconds: float | None
-    frames: int
-    offset: float | None
-    """s, trusted or not"""
-    trusted: bool
-    r: float | None
-    """agreement of lips and words at that offset"""
-    figures: Mapping[str, float]
-    """the numbers of its quality"""
-
-    def figure(self, key: str) -> float | None:
-        """A figure of its quality."""
-        return self.figures.get(key)
-
-    @property
-    def advised(self) -> bool:
-        """Captured, but with reasons to leave it out."""
-        return self.status == CAPTURED and bool(self.reasons)
-
-
 def write_report(dataset: Dataset, report: Progress = lambda share: None) -> Path:
     """Write `report/` of a dataset, and remove the pages of recordings that are gone.
 
@@ -129,32 +99,31 @@ def write_report(dataset: Dataset, report: Progress = lambda share: None) -> Pat
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{folder}: cannot be made: {error.strerror}") from error
-    head = _head()
-    entries = sorted(dataset.entries, key=lambda entry: str(entry["name"]))
-    rows = []
     with write_whole(folder / STYLE) as part:
         part.write_text((TEMPLATES / STYLE).read_text("utf-8"), "utf-8")
-    for index, entry in enumerate(entries):
-        row, recording = _read(dataset, entry)
-        if row.page:
-            near = [entries[i]["name"] if 0 <= i < len(entries) else None
-                    for i in (index - 1, index + 1)]  # fmt: skip
-            page = environment.get_template("recording.html").render(
-                **_page(dataset, row, recording, head), near=near
-            )
-            _write(folder / page_name(row.name), page)
-        rows.append(row)
-        report((index + 1) / len(entries))
-    _write(folder / INDEX, environment.get_template(INDEX).render(**_overview(dataset, rows)))
+    rows = _write_pages(dataset, folder, environment, report)
+    _write(folder / INDEX, environment.get_template(INDEX).render(**overview(dataset, rows)))
     _remove_stale(folder, {INDEX, *(page_name(row.name) for row in rows if row.page)})
     return folder / INDEX
 
 
-def page_name(name: str) -> str:
-    """The file of a recording's page; a recording called `index` does not take the overview's."""
-    if name.casefold() == "index":
-        return f"{name}-{hashlib.sha256(name.encode()).hexdigest()[:8]}.html"
-    return f"{name}.html"
+def _write_pages(dataset: Dataset, folder: Path, environment: Any, report: Progress) -> list[Row]:
+    """Write the page of each recording that has one; the rows of all."""
+    template = environment.get_template("recording.html")
+    entries = sorted(dataset.entries, key=lambda entry: str(entry["name"]))
+    rows, earlier, waiting = [], "", None  # a page waits until the address of the next is known
+    for index, entry in enumerate(entries):
+        row, recording = read_row(dataset, entry)
+        rows.append(row)
+        if recording is not None:
+            if waiting is not None:
+                _write(waiting[0], template.render(**waiting[1], earlier=earlier, later=row.page))
+                earlier = waiting[1]["row"].page
+            waiting = (folder / page_name(row.name), _page(dataset, row, recording))
+        report((index + 1) / len(entries))
+    if waiting is not None:
+        _write(waiting[0], template.render(**waiting[1], earlier=earlier, later=""))
+    return rows
 
 
 def _write(path: Path, text: str) -> None:
@@ -186,7 +155,7 @@ def _environment() -> Any:
         "mark": MARK, "style": STYLE, "columns": COLUMNS, "figures": FIGURES, "size": SIZE,
         "unsure": DEFAULT_LIMITS.confidence,
     }  # fmt: skip
-    environment.filters |= {"address": lambda name: quote(page_name(name)), "shown": shown}
+    environment.filters["shown"] = shown
     return environment
 
 
@@ -198,88 +167,33 @@ def shown(value: object, decimals: int = 2, unit: str = "", scale: float = 1.0) 
     return f"{number * scale:.{decimals}f}{unit}"
 
 
-def as_number(value: object) -> float | None:
-    """`value` if it is a number; a file that somebody edited may hold anything."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return float(value) if np.isfinite(value) else None
-
-
-def _texts(value: object) -> tuple[str, ...]:
-    return tuple(map(str, value)) if isinstance(value, list | tuple) else ()
-
-
-def _read(dataset: Dataset, entry: Mapping[str, Any]) -> tuple[Row, Recording | None]:
-    """A row of the table and, unless it failed, the recording."""
-    name, recording = entry["name"], None
-    reasons, warnings = _texts(entry.get("reasons")), _texts(entry.get("warnings"))
-    status = entry["status"]
-    if status != FAILED:
-        try:
-            recording = dataset.recording(name)
-        except LipwrightError as error:
-            reasons, status = (*reasons, str(error)), FAILED
-    info = recording.info if recording else {}
-    quality, offset = (_mapping(info.get(key)) for key in ("quality", "offset"))
-    advice = _texts(info.get("reject"))
-    row = Row(
-        name=name,
-        page=quote(page_name(name)) if recording else "",
-        status=status,
-        split=str(entry.get("split") or ""),
-        reasons=tuple(dict.fromkeys((*reasons, *advice))),
-        warnings=_texts(info.get("warnings")) or warnings,
-        seconds=recording.motion.duration if recording else None,
-        frames=len(recording.motion) if recording else 0,
-        offset=as_number(offset.get("seconds")),
-        trusted=offset.get("trusted") is True,
-        r=as_number(offset.get("r")),
-        figures={k: n for k, v in quality.items() if (n := as_number(v)) is not None},
-    )
-    return row, recording
-
-
-def _mapping(value: object) -> Mapping[str, Any]:
-    return value if isinstance(value, Mapping) else {}
-
-
-def _head() -> Head | None:
-    """The head, to show how the posed lips follow; the report does without it if need be."""
+def _head_aperture(recording: Recording) -> npt.NDArray[np.float32] | None:
+    """How the posed head's lips open; the report does without it where no head is installed."""
     try:
-        return load_head()
+        return head_aperture(recording.motion.arkit)
     except LipwrightError:
         return None
 
 
-def _head_aperture(head: Head | None, recording: Recording) -> npt.NDArray[np.float64] | None:
-    if head is None:
-        return None
-    arkit = recording.motion.arkit
-    missing = np.zeros((len(arkit), len(CANONICAL) - arkit.shape[1]))  # the tongue's controls
-    return head.aperture_curve(np.concatenate([arkit, missing], axis=1))
-
-
-def _page(
-    dataset: Dataset, row: Row, recording: Recording | None, head: Head | None
-) -> dict[str, Any]:
+def _page(dataset: Dataset, row: Row, recording: Recording) -> dict[str, Any]:
     """What the page of a recording shows."""
-    assert recording is not None
     info = recording.info
     picture = recording.folder / PICTURE_FILE
     address = quote(f"../{RECORDINGS}/{row.name}/{PICTURE_FILE}")
-    files = {role: str(_mapping(source).get("path", ""))
-             for role, source in _mapping(info.get("source")).items()}  # fmt: skip
-    unclosed = _mapping(info.get("quality")).get("unclosed")
+    files = {role: str(mapping(source).get("path", ""))
+             for role, source in mapping(info.get("source")).items()}  # fmt: skip
+    posed = _head_aperture(recording)
+    unclosed = mapping(info.get("quality")).get("unclosed")
     return {
-        "title": _title(dataset),
+        "title": title_of(dataset),
         "row": row,
         "info": info,
-        "rows": plot_rows(recording, _head_aperture(head, recording)),
-        "curves": {"aperture": recording.motion.aperture is not None, "head": head is not None},
+        "rows": plot_rows(recording, posed),
+        "curves": {"aperture": recording.motion.aperture is not None, "head": posed is not None},
         "picture": address if picture.is_file() else "",
         "words": _words(recording),
         "files": files,
-        "unclosed": unclosed if isinstance(unclosed, list) else [],
+        "unclosed": [c for c in map(mapping, unclosed if isinstance(unclosed, list) else ()) if c],
         "fps": recording.motion.fps,
     }
 
@@ -289,75 +203,10 @@ def _words(recording: Recording) -> list[dict[str, Any]]:
     told = recording.info.get("words")
     if isinstance(told, list) and told:
         return [{key: word.get(key) for key in ("text", "start", "end", "confidence")}
-                for word in map(_mapping, told)]  # fmt: skip
+                for word in map(mapping, told)]  # fmt: skip
     track = recording.track
     spans = [track.word_span(word) for word in track.words]
     return [
         {"text": word.text, "start": start, "end": end, "confidence": word.confidence}
         for word, (start, end) in zip(track.words, spans, strict=True)
     ]
-
-
-def _title(dataset: Dataset) -> str:
-    return str(dataset.manifest.get("name") or dataset.path.resolve().name)
-
-
-def _overview(dataset: Dataset, rows: Sequence[Row]) -> dict[str, Any]:
-    """What the first page shows."""
-    used = [row for row in rows if row.status == CAPTURED]
-    offsets = [row.offset for row in used if row.offset is not None]
-    return {
-        "title": _title(dataset),
-        "manifest": dataset.manifest,
-        "rows": rows,
-        "failed": [row for row in rows if row.status == FAILED],
-        "rejected": [row for row in rows if row.status == REJECTED],
-        "advised": [row for row in rows if row.advised],
-        "used": used,
-        "statuses": Counter(row.status for row in rows),
-        "splits": Counter(row.split for row in used if row.split),
-        "minutes": sum(row.seconds or 0.0 for row in used) / 60,
-        "tracked": _pooled(used, lambda row: (row.figure("tracked"), row.frames)),
-        "closures": closure_totals(used),
-        "offset": statistics.median(offsets) if offsets else None,
-        "warned": sum(bool(row.warnings) for row in rows),
-        "histograms": _histograms(used),
-    }
-
-
-def _pooled(rows: Sequence[Row], pair: Callable[[Row], tuple[float | None, float]]) -> float | None:
-    """The mean of a figure, weighted; None where no row has it."""
-    pairs = [(value, weight) for value, weight in map(pair, rows) if value is not None]
-    total = sum(weight for _, weight in pairs)
-    return sum(value * weight for value, weight in pairs) / total if total else None
-
-
-def closure_totals(rows: Sequence[Row]) -> dict[str, float | None]:
-    """Bilabials seen, how many closed before and after smoothing, and those not seen."""
-    keys = ("bilabials", "bilabials_closed_before", "bilabials_closed", "bilabials_unseen")
-    sums = {key: sum(row.figure(key) or 0.0 for row in rows) for key in keys}
-    seen = sums["bilabials"]
-    return {
-        **sums,
-        "before": sums["bilabials_closed_before"] / seen if seen else None,
-        "after": sums["bilabials_closed"] / seen if seen else None,
-    }
-
-
-def _histograms(rows: Sequence[Row]) -> list[Histogram]:
-    def values(key: str) -> list[float]:
-        return [value for row in rows if (value := row.figure(key)) is not None]
-
-    offsets = [row.offset for row in rows if row.offset is not None]
-    rs = [row.r for row in rows if row.r is not None]
-    found = [
-        histogram("Picture late by", offsets, unit="ms", scale=1000, decimals=0),
-        histogram("Lips and words, r", rs),
-        histogram("Confidence of the words", values("confidence")),
-        histogram("Jitter, eye distances", values("jitter"), decimals=4),
-        histogram("Loud opening, eye distances", values("opening")),
-        histogram("Posed head, r", values("arkit_r"), decimals=3),
-        histogram("Head turned by", values("turn_deg"), unit="°", decimals=0),
-        histogram("Eyes apart by", values("eye_distance_px"), unit="px", decimals=0),
-    ]
-    return [item for item in found if item is not None]
