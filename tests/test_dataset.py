@@ -538,6 +538,10 @@ class TestMerging:
             merge_datasets([faces, more], tmp_path / "other")
         one_line(caught)
         (faces.path / ANNA / "audio.flac").unlink()
+        (faces.path / ANNA / "audio.flac").symlink_to(tmp_path)
+        with pytest.raises(LipwrightError, match=r"audio\.flac: is a link"):
+            merge_datasets([faces, more], tmp_path / "other")
+        (faces.path / ANNA / "audio.flac").unlink()
         with pytest.raises(LipwrightError, match=r"audio\.flac: no such file") as caught:
             merge_datasets([faces, more], tmp_path / "other")
         one_line(caught)
@@ -621,6 +625,12 @@ class TestPage:
         transforms = [made.__name__ for made in TRANSFORMS.values()]
         for name in (*arrays, *transforms, *summarise(faces), *SPLITS, *STATUSES):
             assert f"`{name}" in self.PAGE, name
+
+    def test_its_transforms_example_runs(self, faces: Dataset) -> None:
+        code = self.PAGE.split("```python\n")[3].split("```")[0]
+        place = {"recording": faces.recording("anna")}
+        exec(code, place)
+        assert len(place["sample"].names) == 18
 
     def test_its_numpy_example_runs(
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -15,6 +15,7 @@ from lipwright.controls import ARKIT
 from lipwright.dataset.recording import Motion, Recording
 from lipwright.dataset.transforms import (
     PHONE_CLASSES,
+    THESIS_CONTROLS,
     THESIS_PRUNED,
     TRANSFORMS,
     EditFrames,
@@ -35,10 +36,8 @@ from lipwright.errors import LipwrightError
 from lipwright.phones import PHONES
 from lipwright.track import PhoneTrack
 
-MOUTH = tuple(name for name in ARKIT if name.startswith(("jaw", "mouth", "cheek", "nose")))
-
 # The 18 that the thesis was left with, section 4.2.2.
-THESIS_CONTROLS = """jawForward jawOpen mouthClose mouthFunnel mouthPucker mouthSmileSide
+THESIS_LEFT = """jawForward jawOpen mouthClose mouthFunnel mouthPucker mouthSmileSide
 mouthDimpleSide mouthStretchSide mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper
 mouthPressSide mouthLowerDownSide mouthUpperUpSide cheekPuff cheekSquintSide noseSneerSide"""
 
@@ -117,6 +116,12 @@ class TestSample:
         with pytest.raises(LipwrightError, match="'model'"):
             sample_of(recording, "model")
 
+    def test_columns_are_chosen_by_name(self) -> None:
+        sample = Sample(("a", "b", "c"), [[1, 2, 3]], ("AH",), 30.0)
+        assert sample.select(("c", "a")).values.tolist() == [[3, 1]]
+        with pytest.raises(ValueError, match="column x"):
+            sample.select(("x", "a"))
+
     def test_a_frame_without_a_face_spoils_no_frame_that_it_does_not_touch(self) -> None:
         values = row(1, np.nan, 3).at([0.0, 0.5, 1.0, 1.5, 2.0])[:, 0]
         assert np.isnan(values).tolist() == [False, True, True, True, False]
@@ -158,12 +163,12 @@ class TestMergingSides:
         assert same(MergeSides().apply(MergeSides().invert(merged, names))[0], merged)
 
     def test_the_thesis_ends_with_its_18_controls(self) -> None:
-        sample = Sample(MOUTH, np.zeros((1, len(MOUTH))), ("AH",), 30.0)
-        assert len(MOUTH) == 32
+        sample = Sample(ARKIT, np.zeros((1, 52)), ("AH",), 30.0).select(THESIS_CONTROLS)
+        assert len(sample.names) == 32
         chain = Transforms((MergeSides(), Prune(THESIS_PRUNED)))
         left, records = chain.apply(sample)
-        assert set(left.names) == set(THESIS_CONTROLS.split())
-        assert chain.invert(left, records).names == MOUTH
+        assert set(left.names) == set(THESIS_LEFT.split())
+        assert chain.invert(left, records).names == THESIS_CONTROLS
 
     def test_a_column_that_is_there_already_is_not_overwritten(self) -> None:
         sample = Sample(("xLeft", "xRight", "xSide"), np.zeros((1, 3)), ("AH",), 30.0)

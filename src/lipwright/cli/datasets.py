@@ -43,7 +43,7 @@ Examples:
     faces: 50 test, 780 train, 50 validation
 \b
   lipwright dataset split faces --hold-out-words m,v,y
-    faces: 43 test, 680 train, 43 validation, 114 unseen
+    faces: 44 test, 680 train, 114 unseen, 42 validation
 """
 
 dataset_argument = click.argument("path", metavar="DATASET", type=Path)

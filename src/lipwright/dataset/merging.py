@@ -200,7 +200,9 @@ def _copy(row: _Row, part: Path, *, with_face: bool) -> dict[str, Any]:
     if not with_face:
         hashes.pop(FACE_FILE, None)
     for file in sorted({*hashes, PHONES_FILE} - {INFO_FILE}):
-        shutil.copyfile(row.folder / file, target / file, follow_symlinks=False)
+        if (row.folder / file).is_symlink():
+            raise LipwrightError(f"{row.folder / file}: is a link; put the file itself there")
+        shutil.copyfile(row.folder / file, target / file)
         # Phones that were edited by hand stay known as edited.
         if file != PHONES_FILE and sha256_of(target / file) != hashes[file]:
             raise LipwrightError(

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from lipwright.dataset.transforms.inputs import PHONE_CLASSES, MergePhones
 from lipwright.dataset.transforms.outputs import (
+    THESIS_CONTROLS,
     THESIS_PRUNED,
     MergeSides,
     Prune,
@@ -25,9 +26,9 @@ from lipwright.dataset.transforms.timing import EditFrames, Resample, TimeShift
 from lipwright.errors import LipwrightError
 
 __all__ = [
-    "PHONE_CLASSES", "THESIS_PRUNED", "TRANSFORMS", "EditFrames", "MergePhones", "MergeSides",
-    "Prune", "Resample", "Sample", "TimeShift", "Transform", "Transforms", "ZeroCentre",
-    "sample_of", "smape", "unpredictable",
+    "PHONE_CLASSES", "THESIS_CONTROLS", "THESIS_PRUNED", "TRANSFORMS", "EditFrames",
+    "MergePhones", "MergeSides", "Prune", "Resample", "Sample", "TimeShift", "Transform",
+    "Transforms", "ZeroCentre", "build_transforms", "sample_of", "smape", "unpredictable",
 ]  # fmt: skip
 
 TRANSFORMS: Final[Mapping[str, type[Any]]] = MappingProxyType({

@@ -12,9 +12,15 @@ from typing import ClassVar, Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.controls import ARKIT
 from lipwright.dataset.transforms.sample import Random, Sample, Values
 
 LEFT, RIGHT, SIDE = "Left", "Right", "Side"
+
+# Table 4.1: what speech moves. Gaze is left out: eyeLookInLeft has its twin in eyeLookOutRight.
+THESIS_CONTROLS: Final = tuple(
+    name for name in ARKIT if name.startswith(("jaw", "mouth", "cheek", "noseSneer"))
+)
 
 # What the thesis removed after the merge (table 4.1, marked with asterisks).
 THESIS_PRUNED: Final = ("jawSide", "mouthSide", "mouthFrownSide")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol
 
@@ -69,6 +70,18 @@ class Sample:
     def seen(self) -> npt.NDArray[np.bool_]:
         """(T,), frames with numbers in all columns."""
         return np.asarray(np.isfinite(self.values).all(axis=1))
+
+    def select(self, names: Iterable[str]) -> Sample:
+        """The named columns, in that order.
+
+        Raises:
+            ValueError: there is no such column.
+        """
+        names = tuple(names)
+        if missing := set(names) - set(self.names):
+            raise ValueError(f"there is no column {', '.join(sorted(missing))}")
+        columns = [self.names.index(name) for name in names]
+        return replace(self, names=names, values=self.values[:, columns])
 
     def with_values(self, values: npt.ArrayLike) -> Sample:
         """The same frames with other values, (T, C)."""
