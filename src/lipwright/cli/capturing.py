@@ -87,9 +87,7 @@ def capture(
             sources, out, options, jobs=jobs, report=report,
             tell=lambda outcome: _tell(outcome, progress),
         )  # fmt: skip
-        report("report", 0.0)
-        page = write_report(captured.dataset)
-        report("report", 1.0)
+        page = write_report(captured.dataset, lambda share: report("report", share))
     _say_done(out, captured, page, progress)
     return FAILED_STATUS if captured.failed else 0
 
