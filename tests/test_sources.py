@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from lipwright.capture.sources import find_sources
+from lipwright.controls import ARKIT
 from lipwright.errors import LipwrightError
 
 
@@ -112,3 +113,19 @@ def test_words_that_are_not_text_are_the_problem_of_their_recording(tmp_path: Pa
     (words / "a.txt").write_bytes(b"one\n\xff\xfe")
     [source] = find_sources([videos], None, words)
     assert source.problem == f"{words / 'a.txt'}: line 2: not UTF-8 text; save it as UTF-8"
+
+
+def test_a_live_link_take_goes_with_its_movie_and_its_words_by_the_names_of_the_app(
+    tmp_path: Path,
+) -> None:
+    takes = touch(tmp_path / "takes", "A_1_iPhone.mov", "A_1_iPhone.wav", "other.mp4")
+    header = "Timecode,BlendShapeCount," + ",".join(name[0].upper() + name[1:] for name in ARKIT)
+    for part in ("_cal", "_raw", "_neutral"):
+        (takes / f"A_1_iPhone{part}.csv").write_text(header + "\n")
+    words = touch(tmp_path / "words", "A_1.txt", "other.txt")
+    take, other = find_sources([takes], None, words)
+    assert (take.name, take.face.name) == ("A_1_iPhone", "A_1_iPhone_cal.csv")
+    assert take.audio == takes / "A_1_iPhone.wav"
+    assert take.text == "words of A_1"
+    assert not take.is_video
+    assert other.name == "other"

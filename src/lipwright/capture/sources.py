@@ -70,9 +70,9 @@ def find_sources(
     files = [file for face in faces for file in _faces_in(face)]
     if not files:
         raise LipwrightError("nothing to capture; name videos, or folders with videos")
-    counts = Counter(safe_name(file.stem) for file in files)
+    counts = Counter(_name(file) for file in files)
     if repeated := [name for name, count in counts.items() if count > 1]:
-        twice = ", ".join(str(file) for file in files if safe_name(file.stem) == repeated[0])
+        twice = ", ".join(str(file) for file in files if _name(file) == repeated[0])
         raise LipwrightError(f"two recordings are named {repeated[0]!r}: {twice}; rename one")
     for option, path in (("--audio", audio), ("--transcripts", transcripts), ("--phones", phones)):
         if path is not None and not path.exists():
@@ -98,15 +98,32 @@ def _faces_in(path: Path) -> list[Path]:
 
 def _with_takes(files: list[Path], videos: list[Path]) -> list[Path]:
     """The videos of a folder, but a Live Link recording instead of the movie beside it."""
-    from lipwright.capture.arkit_import import find_sound, find_takes
+    from lipwright.capture.arkit_import import find_takes, sounds_beside
 
     takes = list(find_takes(files))
-    movies = {find_sound(take) for take in takes}
-    return [video for video in videos if video not in movies] + takes
+    movies = {movie.resolve() for take in takes for movie in sounds_beside(take)}
+    return [video for video in videos if video.resolve() not in movies] + takes
 
 
 def _is_visible(file: Path) -> bool:
     return file.is_file() and not file.name.startswith(".")
+
+
+def _stems(face: Path) -> tuple[str, ...]:
+    """The stems that files of a face may have, the most exact first."""
+    if face.suffix.lower() not in ARKIT_FILES:
+        return (face.stem,)
+    from lipwright.capture.arkit_import import take_names
+
+    return take_names(face)
+
+
+def _name(face: Path) -> str:
+    if face.suffix.lower() not in ARKIT_FILES:
+        return safe_name(face.stem)
+    from lipwright.capture.arkit_import import take_stem
+
+    return safe_name(take_stem(face))
 
 
 class _Matches:
@@ -122,10 +139,11 @@ class _Matches:
                     if _is_visible(file) and file.name.lower().endswith(suffix):
                         self._by_stem[file.name[: -len(suffix)].casefold()] = file
 
-    def get(self, stem: str) -> Path | None:
-        if self.path is None or self.path.is_dir():
-            return self._by_stem.get(stem.casefold())
-        return self.path
+    def get(self, face: Path) -> Path | None:
+        if self.path is not None and not self.path.is_dir():
+            return self.path
+        found = (self._by_stem.get(stem.casefold()) for stem in _stems(face))
+        return next(filter(None, found), None)
 
 
 class _Transcripts:
@@ -135,9 +153,13 @@ class _Transcripts:
         self.path = path
         self._files = _Matches(path, WORDS)
         self._lines: dict[str, tuple[str, str]] = {}
-        self._is_table = False
         if path is not None and path.is_file():
-            self._read_table(path, {face.stem for face in faces})
+            self._read_table(path, {stem for face in faces for stem in _stems(face)})
+            if not self._lines and len(faces) > 1:
+                raise LipwrightError(
+                    f"{path}: no line starts with a recording's name and a tab; give a folder of "
+                    "NAME.txt, or a line `NAME<tab>words` for each"
+                )
 
     def _read_table(self, path: Path, stems: set[str]) -> None:
         for number, line in enumerate(_read(path).splitlines(), 1):
@@ -149,28 +171,22 @@ class _Transcripts:
                     spoken = words.rsplit(separator, 1)[-1].strip()
                     self._lines[stem] = (spoken, f"{path}: line {number}")
                     break
-        self._is_table = bool(self._lines)
-        if not self._is_table and len(stems) > 1:
-            raise LipwrightError(
-                f"{path}: no line starts with a recording's name and a tab; give a folder of "
-                "NAME.txt, or a line `NAME<tab>words` for each"
-            )
 
-    def get(self, stem: str) -> tuple[str, str] | None:
+    def get(self, face: Path) -> tuple[str, str] | None:
         """Words and where they are from; None without any.
 
         Raises:
             LipwrightError: the file cannot be read.
         """
-        if self._is_table:
-            return self._lines.get(stem)
-        file = self._files.get(stem)
+        if self._lines:
+            return next((self._lines[stem] for stem in _stems(face) if stem in self._lines), None)
+        file = self._files.get(face)
         return None if file is None else (_read(file), str(file))
 
     def missing(self, stem: str) -> str:
         if self.path is None:
             return "has no words; give them with --transcripts, or its phones with --phones"
-        if self._is_table:
+        if self._lines:
             return f"{self.path} has no line for {stem!r}; add `{stem}<tab>words`"
         return f"{self.path} has no {stem}.txt; add it"
 
@@ -188,8 +204,8 @@ def _read(path: Path) -> str:
 
 
 def _source(face: Path, sounds: _Matches, texts: _Transcripts, tracks: _Matches) -> Source:
-    name = safe_name(face.stem)
-    phones = tracks.get(face.stem)
+    name = _name(face)
+    phones = tracks.get(face)
     try:
         audio = _sound(face, sounds)
         text, text_source = (None, "") if phones is not None else _words(face, texts)
@@ -202,7 +218,7 @@ def _sound(face: Path, sounds: _Matches) -> Path | None:
     """The sound of a face; None where it is in the video."""
     if not os.path.lexists(face):
         raise LipwrightError(f"{face}: no such file; check the path")
-    audio = sounds.get(face.stem)
+    audio = sounds.get(face)
     if sounds.path is not None and audio is None:
         raise LipwrightError(f"{face}: {sounds.path} has no sound named {face.stem}; add it")
     if audio is None and face.suffix.lower() in ARKIT_FILES:
@@ -211,7 +227,7 @@ def _sound(face: Path, sounds: _Matches) -> Path | None:
 
 
 def _words(face: Path, texts: _Transcripts) -> tuple[str, str]:
-    found = texts.get(face.stem)
+    found = texts.get(face)
     if found is None:
         raise LipwrightError(f"{face}: {texts.missing(face.stem)}")
     return found
