@@ -58,15 +58,15 @@ FIGURES: Final = (
     ("Largest turn of the head", "turn_deg", 0, "°", 1),
     ("Jitter of lips at rest, eye distances", "jitter", 4, "", 1),
     ("Loud opening, eye distances", "opening", 3, "", 1),
-    ("p, b, m seen", "bilabials", 0, "", 1), ("not seen", "bilabials_unseen", 0, "", 1),
-    ("that close", "bilabials_closed", 0, "", 1),
-    ("that closed before smoothing", "bilabials_closed_before", 0, "", 1),
-    ("Mean opening at p, b, m", "closure_share_after", 1, " %", 100),
-    ("before smoothing", "closure_share_before", 1, " %", 100),
+    ("p, b, m seen", "bilabials", 0, "", 1), ("p, b, m not seen", "bilabials_unseen", 0, "", 1),
+    ("p, b, m that close", "bilabials_closed", 0, "", 1),
+    ("p, b, m that close before smoothing", "bilabials_closed_before", 0, "", 1),
+    ("Mean share of the loud opening at p, b, m", "closure_share_after", 1, " %", 100),
+    ("Mean share there before smoothing", "closure_share_before", 1, " %", 100),
     ("Words", "words", 0, "", 1), ("Words that do not fit the sound", "misfits", 0, "", 1),
     ("Confidence of the words", "confidence", 2, "", 1),
     ("Posed head follows the lips, r", "arkit_r", 3, "", 1),
-    ("with a gain of", "arkit_gain", 3, "", 1),
+    ("Gain of the posed head", "arkit_gain", 3, "", 1),
 )  # fmt: skip
 """label, key of quality, decimals, unit and factor of each figure on a recording's page"""
 
