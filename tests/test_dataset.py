@@ -561,6 +561,7 @@ class TestMerging:
 
     def test_licences_add_up(self) -> None:
         assert join_licences(["MIT", "MIT"]) == "MIT"
+        assert join_licences(["", None]) == ""
         assert join_licences(["MIT OR ISC", None, "CC0-1.0"]) == (
             "(MIT OR ISC) AND unknown AND CC0-1.0"
         )
@@ -615,6 +616,39 @@ class TestMerging:
             (tmp_path / place).mkdir()
             merge_datasets([faces, more], tmp_path / place / "all")
         assert everything_in(tmp_path / "one") == everything_in(tmp_path / "two")
+
+
+ODD = (None, 3, -1, "x", "", [], {}, [1], {"a": 1}, True)
+
+
+def places_in(value: object, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """The keys that lead to each value in a JSON file."""
+    inner = value.items() if isinstance(value, dict) else ()
+    inner = enumerate(value[:2]) if isinstance(value, list) else inner
+    return [place] + [found for key, part in inner for found in places_in(part, (*place, key))]
+
+
+def replaced(value: Any, place: tuple[Any, ...], odd: object) -> Any:
+    if not place:
+        return odd
+    changed = value.copy()
+    changed[place[0]] = replaced(value[place[0]], place[1:], odd)
+    return changed
+
+
+class TestOddValues:
+    @pytest.mark.parametrize("file", ["dataset.json", "recordings/anna/recording.json"])
+    def test_an_odd_value_anywhere_is_no_crash_but_at_most_one_line(
+        self, faces: Dataset, file: str
+    ) -> None:
+        path = faces.path / file
+        good = json.loads(path.read_text())
+        for number, place in enumerate(places_in(good)):
+            path.write_text(json.dumps(replaced(good, place, ODD[number % len(ODD)])))
+            for arguments in (("info",), ("check",), ("split", "--hold-out-words", "me")):
+                error = call(*arguments[:1], faces.path, *arguments[1:]).exception
+                assert error is None or isinstance(error, LipwrightError | SystemExit), place
+                assert "\n" not in str(error)
 
 
 class TestPage:

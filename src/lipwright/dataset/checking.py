@@ -17,10 +17,8 @@ from lipwright.dataset.recording import (
     INFO_FILE,
     MOTION_FILE,
     PHONES_FILE,
-    Motion,
     Recording,
-    load_motion,
-    read_info,
+    read_recording,
 )
 from lipwright.dataset.splits import SPLITS
 from lipwright.errors import LipwrightError
@@ -91,7 +89,7 @@ def _entry_problems(dataset: Dataset, entry: Mapping[str, Any]) -> Iterator[str]
             f"{dataset.path / MANIFEST_FILE}: {name!r} has the split {entry['split']!r}, "
             f"not one of: {', '.join(SPLITS)}"
         )
-    if entry["status"] == FAILED and not folder.exists():
+    if entry["status"] == FAILED and not entry.get("files"):
         return
     if not _lies_in(folder, dataset.path):
         yield f"{folder}: leads out of the dataset; put the files themselves there"
@@ -140,19 +138,17 @@ def is_pickle(path: Path) -> bool:
 def _content_problems(folder: Path, name: str) -> Iterator[str]:
     """What files say that cannot be, alone or together."""
     try:
-        info = read_info(folder)
-        if info["name"] != name:
-            yield f"{folder / INFO_FILE}: is of {info['name']!r}; {_DAMAGED}"
-        motion = load_motion(folder / MOTION_FILE)
-        if info.get("frames", len(motion)) != len(motion):
-            yield f"{folder / MOTION_FILE}: has {len(motion)} frames, not {info['frames']}"
+        recording = read_recording(folder)
+        motion, frames = recording.motion, recording.info.get("frames")
+        if recording.name != name:
+            yield f"{folder / INFO_FILE}: is of {recording.name!r}; {_DAMAGED}"
+        if frames is not None and frames != len(motion):
+            yield f"{folder / MOTION_FILE}: has {len(motion)} frames, not {frames}; {_DAMAGED}"
         sound = _sound_length(folder / AUDIO_FILE)
         read_track(folder / PHONES_FILE, duration=sound)
         if sound is not None:
-            yield from _length_problems(folder, motion, sound)
-        yield from _face_problems(folder, motion, Recording(
-            name, motion, read_track(folder / PHONES_FILE), 0.0, info, folder
-        ))  # fmt: skip
+            yield from _length_problems(recording, sound)
+        yield from _face_problems(recording)
     except LipwrightError as error:
         yield str(error)
 
@@ -169,26 +165,27 @@ def _sound_length(path: Path) -> float | None:
         raise LipwrightError(f"{path}: not readable sound; {_DAMAGED}") from error
 
 
-def _length_problems(folder: Path, motion: Motion, sound: float) -> Iterator[str]:
-    picture = motion.duration
+def _length_problems(recording: Recording, sound: float) -> Iterator[str]:
+    picture = recording.start + recording.motion.duration
     if min(picture, sound) < LENGTHS * max(picture, sound):
         yield (
-            f"{folder / MOTION_FILE}: the picture lasts {picture:.1f} s and the sound "
+            f"{recording.folder / MOTION_FILE}: the picture lasts {picture:.1f} s and the sound "
             f"{sound:.1f} s; {_DAMAGED}"
         )
 
 
-def _face_problems(folder: Path, motion: Motion, recording: Recording) -> Iterator[str]:
+def _face_problems(recording: Recording) -> Iterator[str]:
+    path, frames = recording.folder / FACE_FILE, len(recording.motion)
     for key, array in (recording.face() or {}).items():
         if key == FACE_TEXT:
             continue
-        if array.dtype.kind not in "fbiu" or not array.ndim or len(array) != len(motion):
+        if array.dtype.kind not in "fbiu" or not array.ndim or len(array) != frames:
             yield (
-                f"{folder / FACE_FILE}: {key!r} has the shape {array.shape}, not {len(motion)} "
-                "rows; run: lipwright face fit"
+                f"{path}: {key!r} has the shape {array.shape}, not {frames} rows; "
+                "run: lipwright face fit"
             )
         elif array.dtype.kind == "f" and np.isinf(array).any():
-            yield f"{folder / FACE_FILE}: {key!r} is infinite somewhere; run: lipwright face fit"
+            yield f"{path}: {key!r} is infinite somewhere; run: lipwright face fit"
 
 
 def _strangers(dataset: Dataset) -> Iterator[str]:

@@ -118,10 +118,10 @@ def merge_datasets(
 
 
 def join_licences(licences: Sequence[object]) -> str:
-    """One expression out of several, each once, in order."""
+    """One expression out of several, each once, in order; empty where none is named."""
     named = dict.fromkeys(str(licence or "").strip() or UNKNOWN for licence in licences)
     if len(named) == 1:
-        return next(iter(named))
+        return next(iter(named)).replace(UNKNOWN, "")
     return " AND ".join(f"({one})" if " OR " in one else one for one in named)
 
 
