@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.landmarks import EYES
+from lipwright.capture.landmarks import EYES, distance
 from lipwright.capture.smooth import runs
 
 # Upper and lower lid, three pairs of each eye, in the order of `EYES`.
@@ -41,12 +41,10 @@ def find_blinks(landmarks: npt.NDArray[np.floating], fps: float) -> npt.NDArray[
 
 def eye_openness(landmarks: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
     """(T,), the lids' gap over the eye's width, mean of both eyes; NaN where the face is lost."""
-    flat = np.asarray(landmarks[..., :2], np.float64)
     ratios = []
     for lids, (inner, outer) in zip(LIDS, EYES, strict=True):
-        gaps = [np.linalg.norm(flat[:, upper] - flat[:, lower], axis=-1) for upper, lower in lids]
-        width = np.linalg.norm(flat[:, inner] - flat[:, outer], axis=-1)
-        ratios.append(np.mean(gaps, axis=0) / width)
+        gaps = [distance(landmarks, upper, lower) for upper, lower in lids]
+        ratios.append(np.mean(gaps, axis=0) / distance(landmarks, inner, outer))
     return np.asarray(np.mean(ratios, axis=0))
 
 

@@ -24,15 +24,18 @@ def aperture(points: Points) -> npt.NDArray[np.float64]:
     Mean distance of three pairs of points on the inner lips, over the distance of the eyes'
     centres, both in x and y; NaN where a point is.
     """
-    flat = np.asarray(points[..., :2], np.float64)
-    gaps = [np.linalg.norm(flat[:, a] - flat[:, b], axis=-1) for a, b in LIP_PAIRS]
-    return np.mean(gaps, axis=0) / eye_distance(points)
+    return np.mean([distance(points, *pair) for pair in LIP_PAIRS], axis=0) / eye_distance(points)
 
 
 def mouth_width(points: Points) -> npt.NDArray[np.float64]:
     """(T,), the distance of the mouth's corners over that of the eyes, both in x and y."""
-    flat = np.asarray(points[..., :2], np.float64)
-    return np.linalg.norm(flat[:, MOUTH[0]] - flat[:, MOUTH[1]], axis=-1) / eye_distance(points)
+    return distance(points, *MOUTH) / eye_distance(points)
+
+
+def distance(points: Points, one: int, other: int) -> npt.NDArray[np.float64]:
+    """(T,), of two landmarks of points (T, 478, 2 or 3), in x and y."""
+    way = np.asarray(points[:, one, :2], np.float64) - points[:, other, :2]
+    return np.linalg.norm(way, axis=-1)
 
 
 def eye_centres(points: Points) -> npt.NDArray[np.float64]:

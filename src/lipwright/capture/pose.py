@@ -6,6 +6,7 @@ scale and translation. What remains is the face's own motion.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from types import MappingProxyType
 from typing import Final
 
@@ -18,6 +19,8 @@ from lipwright.capture.smooth import low_pass
 Floats = npt.NDArray[np.float64]
 
 CUTOFF: Final = 5.0  # Hz; heads nod slower, the noise of the tracked depth is faster
+
+_PART: Final = 1000  # frames
 
 RIGID: Final = MappingProxyType({
     6: (0.000, 0.082, -0.401),
@@ -63,7 +66,7 @@ def remove_pose(
     """Landmarks in the head's frame, and the head's place in the picture.
 
     Args:
-        points: (T, 478, 3), pixels; NaN where the face is lost, at least one frame is not.
+        points: (T, 478, 3), pixels; NaN where the face is lost.
         fps: frames a second.
 
     Returns:
@@ -71,31 +74,48 @@ def remove_pose(
         distance (both on average over the recording), x to the right in the picture, y down, z
         away from the camera; and poses (T, 3, 4): pixels = pose @ (landmark, 1).
     """
-    raw = np.asarray(points, np.float64)
-    chosen = list(RIGID)
     table = np.array(list(RIGID.values()))
-    poses = _steady(fit_similarities(table, raw[:, chosen]), table, raw[:, chosen], fps)
-    landmarks = to_head(raw, poses)
+    skull = np.asarray(points[:, list(RIGID)], np.float64)
+    poses = fit_similarities(table, skull)
+    if not np.isfinite(poses).any():
+        return np.array(points, np.float32), poses.astype(np.float32)
+    poses = _steady(poses, table, skull, fps)
     # The speaker's skull is not the table's: origin and unit are those of the speaker's eyes.
-    centres = np.nanmedian(eye_centres(landmarks), axis=0)
+    centres = np.nanmedian(to_head(eye_centres(points), poses), axis=0)
     origin, unit = centres.mean(axis=0), np.linalg.norm(centres[1] - centres[0])
     poses[:, :, 3] += np.einsum("tij,j->ti", poses[:, :, :3], origin)
     poses[:, :, :3] *= unit
-    return ((landmarks - origin) / unit).astype(np.float32), poses.astype(np.float32)
+    return to_head(points, poses), poses.astype(np.float32)
 
 
-def to_head(points: npt.NDArray[np.floating], poses: npt.NDArray[np.floating]) -> Floats:
+def to_head(
+    points: npt.NDArray[np.floating], poses: npt.NDArray[np.floating]
+) -> npt.NDArray[np.float32]:
     """Pixels (T, N, 3) in the head's frame of the poses (T, 3, 4)."""
-    turns = np.asarray(poses[:, :, :3], np.float64)
-    square = np.einsum("tij,tij->t", turns, turns) / 3  # of the scale
-    moved = np.asarray(points, np.float64) - poses[:, None, :, 3]
-    return np.einsum("tji,tnj->tni", turns, moved) / square[:, None, None]
+    moved = np.empty(points.shape, np.float32)
+    for part in _parts(len(points)):
+        turns = np.asarray(poses[part, :, :3], np.float64)
+        square = np.einsum("tij,tij->t", turns, turns) / 3  # of the scale
+        centred = np.asarray(points[part], np.float64) - poses[part, None, :, 3]
+        moved[part] = centred @ turns / square[:, None, None]
+    return moved
 
 
-def to_picture(landmarks: npt.NDArray[np.floating], poses: npt.NDArray[np.floating]) -> Floats:
+def to_picture(
+    landmarks: npt.NDArray[np.floating], poses: npt.NDArray[np.floating]
+) -> npt.NDArray[np.float32]:
     """Landmarks (T, N, 3) of the head's frame in pixels; the inverse of `to_head`."""
-    turns = np.asarray(poses[:, :, :3], np.float64)
-    return np.einsum("tij,tnj->tni", turns, landmarks) + poses[:, None, :, 3]
+    moved = np.empty(landmarks.shape, np.float32)
+    for part in _parts(len(landmarks)):
+        turns = np.asarray(poses[part, :, :3], np.float64)
+        moved[part] = landmarks[part] @ turns.swapaxes(1, 2) + poses[part, None, :, 3]
+    return moved
+
+
+def _parts(frames: int) -> Iterator[slice]:
+    """Spans of frames, so that an hour of them is never held twice in double precision."""
+    for first in range(0, frames, _PART):
+        yield slice(first, first + _PART)
 
 
 def fit_similarities(reference_points: Floats, points: npt.NDArray[np.floating]) -> Floats:

@@ -17,6 +17,7 @@ CUTOFF: Final = 10.0  # Hz, where half of the power passes
 DEEP: Final = 0.25  # of the loud aperture: a minimum that is lower by this than what is around it
 AROUND: Final = 0.2  # s to either side in which it must be opened so far
 FADE: Final = 0.02  # s to either side of a closure in which the raw landmarks fade out
+_PART: Final = 32  # landmarks smoothed at once: in double precision an hour of all is 1.2 GB
 LOUD_PERCENTILE: Final = 95
 
 
@@ -26,10 +27,14 @@ def smooth(landmarks: npt.NDArray[np.floating], fps: float) -> npt.NDArray[np.fl
     Where smoothing would open a deep minimum of the lips' aperture, that frame is kept as it is,
     and its neighbours within 20 ms partly; all else is smoothed.
     """
-    raw = np.asarray(landmarks, np.float64)
-    smoothed = low_pass(raw, fps, CUTOFF)
-    kept = _kept(aperture(raw), aperture(smoothed), fps)[:, None, None]
-    return np.where(kept > 0, kept * raw + (1 - kept) * smoothed, smoothed).astype(np.float32)
+    smoothed = np.empty(landmarks.shape, np.float32)
+    for first in range(0, landmarks.shape[1], _PART):
+        part = slice(first, first + _PART)
+        smoothed[:, part] = low_pass(landmarks[:, part], fps, CUTOFF)
+    kept = _kept(aperture(landmarks), aperture(smoothed), fps)
+    frames, share = np.flatnonzero(kept), kept[kept > 0, None, None]
+    smoothed[frames] = share * landmarks[frames] + (1 - share) * smoothed[frames]
+    return smoothed
 
 
 def _kept(gaps: Floats, smoothed_gaps: Floats, fps: float) -> Floats:
