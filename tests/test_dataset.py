@@ -20,6 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipwright.audio import Audio, write_flac
+from lipwright.capture.quality import measure_quality
 from lipwright.cli.datasets import dataset as command
 from lipwright.dataset.checking import check_dataset
 from lipwright.dataset.folder import (
@@ -657,7 +658,9 @@ class TestPage:
     def test_it_names_every_array_every_figure_and_every_transform(self, faces: Dataset) -> None:
         arrays = [field.name for field in fields(Motion)]
         transforms = [made.__name__ for made in TRANSFORMS.values()]
-        for name in (*arrays, *transforms, *summarise(faces), *SPLITS, *STATUSES):
+        motion = faces.recording("anna").motion
+        figures = measure_quality(motion, TRACK, 0.0)
+        for name in (*arrays, *figures, *transforms, *summarise(faces), *SPLITS, *STATUSES):
             assert f"`{name}" in self.PAGE, name
 
     def test_its_transforms_example_runs(self, faces: Dataset) -> None:

@@ -121,7 +121,8 @@ def join_licences(licences: Sequence[object]) -> str:
     """One expression out of several, each once, in order; empty where none is named."""
     named = dict.fromkeys(str(licence or "").strip() or UNKNOWN for licence in licences)
     if len(named) == 1:
-        return next(iter(named)).replace(UNKNOWN, "")
+        [only] = named
+        return "" if only == UNKNOWN else only
     return " AND ".join(f"({one})" if " OR " in one else one for one in named)
 
 
