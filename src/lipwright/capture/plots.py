@@ -6,7 +6,7 @@ The templates draw them, so that colours follow the reader's light or dark page.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -66,15 +66,24 @@ class PlotRow:
     """x and label"""
 
 
+Labelled = tuple[float, float, str, str]
+"""start and end in s, kind and text"""
+
+
 @dataclass(frozen=True)
 class _Scale:
     start: float
     end: float
     top: float
 
+    @property
+    def pace(self) -> float:
+        """Pixels a second."""
+        return (WIDTH - LEFT) / (self.end - self.start)
+
     def x(self, time: float) -> float:
         """Pixels from the left, at most 0.05 off."""
-        return round(LEFT + (time - self.start) / (self.end - self.start) * (WIDTH - LEFT), 1)
+        return round(LEFT + (time - self.start) * self.pace, 1)
 
     def y(self, value: float) -> float:
         return round(CURVE_TOP + CURVE_HEIGHT * (1 - value / self.top), 1)
@@ -83,8 +92,9 @@ class _Scale:
         left, right = self.x(max(start, self.start)), self.x(min(end, self.end))
         return Span(left, round(right - left, 1), kind, text, hint)
 
-    def overlaps(self, start: float, end: float) -> bool:
-        return start < self.end and end > self.start
+    def inside(self, spans: Sequence[Labelled]) -> list[Labelled]:
+        """Those of the spans that reach into the row."""
+        return [span for span in spans if span[0] < self.end and span[1] > self.start]
 
 
 def plot_rows(recording: Recording, head_aperture: Floats | None = None) -> list[PlotRow]:
@@ -107,68 +117,60 @@ def plot_rows(recording: Recording, head_aperture: Floats | None = None) -> list
     ]  # fmt: skip
     top = 1.06 * max((float(np.nanmax(values)) for _, values in curves), default=0.0)
     bands = _bands(recording)
+    words = [(*recording.track.word_span(word), "word", word.text)
+             for word in recording.track.words]  # fmt: skip
+    limit = None
+    if motion.aperture is not None and np.isfinite(motion.aperture).any():
+        limit = CLOSED * loud_aperture(motion.aperture)
     count = math.ceil((end - start) / ROW_SECONDS)
     edges = np.linspace(start, end, count + 1)
     return [
-        _row(recording, curves, bands, _Scale(float(a), float(b), max(top, 1e-6)))
-        for a, b in pairwise(edges)
+        PlotRow(
+            curves=tuple((k, _path(recording.times, values, scale)) for k, values in curves),
+            limit=None if limit is None else scale.y(limit),
+            bands=tuple(scale.span(*band[:3], hint=band[3]) for band in scale.inside(bands)),
+            phones=tuple(_phones(recording, scale)),
+            words=tuple(scale.span(*word) for word in scale.inside(words)),
+            ticks=tuple(_ticks(scale)),
+        )
+        for scale in (_Scale(float(a), float(b), max(top, 1e-6)) for a, b in pairwise(edges))
     ]
 
 
-def _row(
-    recording: Recording,
-    curves: Sequence[tuple[str, Floats]],
-    bands: Sequence[tuple[float, float, str, str]],
-    scale: _Scale,
-) -> PlotRow:
-    track, aperture = recording.track, recording.motion.aperture
-    limit = None
-    if aperture is not None and np.isfinite(aperture).any():
-        limit = scale.y(CLOSED * loud_aperture(aperture))
-    phones = []
+def _phones(recording: Recording, scale: _Scale) -> Iterator[Span]:
+    track = recording.track
     first = max(int(np.searchsorted(track.edges, scale.start, side="right")) - 1, 0)
     stop = min(int(np.searchsorted(track.edges, scale.end)), len(track))
-    for phone, start, end in zip(
-        track.phones[first:stop], track.edges[first:stop], track.edges[first + 1 :], strict=False
-    ):
+    for index in range(first, stop):
+        phone, start, end = track.phones[index], track.edges[index], track.edges[index + 1]
         span = scale.span(start, end, "silence" if phone == SILENCE else "phone")
         name = phone if span.width >= NARROW else ""
-        phones.append(replace(span, text=name, hint=f"{phone} {start:.3f} to {end:.3f} s"))
-    words = [
-        scale.span(*track.word_span(word), "word", word.text)
-        for word in track.words
-        if scale.overlaps(*track.word_span(word))
-    ]
-    ticks = [
-        i * TICK for i in range(math.ceil(scale.start / TICK), math.floor(scale.end / TICK) + 1)
-    ]
-    return PlotRow(
-        curves=tuple((k, _path(recording.times, values, scale)) for k, values in curves),
-        limit=limit,
-        bands=tuple(scale.span(*band[:3], hint=band[3]) for band in bands
-                    if scale.overlaps(*band[:2])),
-        phones=tuple(phones),
-        words=tuple(words),
-        ticks=tuple((scale.x(tick), f"{tick:.1f}") for tick in ticks),
-    )  # fmt: skip
+        yield replace(span, text=name, hint=f"{phone} {start:.3f} to {end:.3f} s")
+
+
+def _ticks(scale: _Scale) -> Iterator[tuple[float, str]]:
+    for tick in range(math.ceil(scale.start / TICK), math.floor(scale.end / TICK) + 1):
+        yield scale.x(tick * TICK), f"{tick * TICK:.1f}"
 
 
 def _path(times: Floats, values: Floats, scale: _Scale) -> str:
     """An SVG path of the values in a row and the frame to either side; broken where lost."""
-    inside = np.flatnonzero((times >= scale.start) & (times <= scale.end))
-    if not len(inside):
-        return ""
+    first = max(int(np.searchsorted(times, scale.start)) - 1, 0)
+    stop = int(np.searchsorted(times, scale.end)) + 1
+    near = values[first:stop].astype(np.float64)
+    across = LEFT + (times[first:stop] - scale.start) * scale.pace
+    down = CURVE_TOP + CURVE_HEIGHT * (1 - near / scale.top)
     parts, pen = [], "M"
-    for i in range(max(inside[0] - 1, 0), min(inside[-1] + 2, len(times))):
-        if math.isfinite(values[i]):
-            parts.append(f"{pen}{scale.x(float(times[i]))} {scale.y(float(values[i]))}")
+    for x, y in zip(across.round(1).tolist(), down.round(1).tolist(), strict=True):
+        if math.isfinite(y):
+            parts.append(f"{pen}{x} {y}")
             pen = "L"
         else:
             pen = "M"
     return "".join(parts)
 
 
-def _bands(recording: Recording) -> list[tuple[float, float, str, str]]:
+def _bands(recording: Recording) -> list[Labelled]:
     """Start and end in s, kind and hint of what lies behind the curves."""
     motion, times = recording.motion, recording.times
     bands = []

@@ -125,7 +125,7 @@ def bilabial_closures(
 
     Args:
         aperture: (T,), NaN where lost.
-        times: (T,), s, on the clock of the sound.
+        times: (T,), s, on the clock of the sound, rising.
         step: the time from frame to frame, s.
         track: the phones.
     """
@@ -134,7 +134,8 @@ def bilabial_closures(
     for phone, start, end in track:
         if phone not in BILABIALS:
             continue
-        near = aperture[(times >= start - step) & (times <= end + step)]
+        first = np.searchsorted(times, start - step, side="left")
+        near = aperture[first : np.searchsorted(times, end + step, side="right")]
         seen = near[np.isfinite(near)]
         share = float(seen.min()) / loud if len(seen) and loud > 0 else None
         reached = times[0] - step <= start and end <= times[-1] + step

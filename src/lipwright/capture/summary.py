@@ -33,7 +33,7 @@ class Row:
     seconds: float | None
     frames: int
     offset: float | None
-    """s, trusted or not"""
+    """s, trusted or not; None where nobody could tell"""
     trusted: bool
     r: float | None
     """agreement of lips and words at that offset"""
@@ -96,7 +96,7 @@ def read_row(dataset: Dataset, entry: Mapping[str, Any]) -> tuple[Row, Recording
         warnings=texts(info.get("warnings")) or warnings,
         seconds=recording.motion.duration if recording else None,
         frames=len(recording.motion) if recording else 0,
-        offset=as_number(offset.get("seconds")),
+        offset=None if offset.get("r") is None else as_number(offset.get("seconds")),
         trusted=offset.get("trusted") is True,
         r=as_number(offset.get("r")),
         figures={k: n for k, v in quality.items() if (n := as_number(v)) is not None},
