@@ -13,7 +13,7 @@ class RejectLimits:
 
     Set on the 880 recordings of GRID's first speaker, which are good ones: they turn by up to
     12 degrees, open by 0.10 to 0.29 eye distances and rest with a jitter of up to 0.006. These
-    limits leave out 34 of them: wrong words or times, or the face lost in a tenth of the frames.
+    limits leave out 35 of them: wrong words or times, or the face lost in a tenth of the frames.
     """
 
     tracked: float = 0.95
