@@ -44,7 +44,7 @@ mouthPressSide mouthLowerDownSide mouthUpperUpSide cheekPuff cheekSquintSide nos
 
 @st.composite
 def samples(draw: st.DrawFn, names: tuple[str, ...] = ("a", "bLeft", "bRight")) -> Sample:
-    count = draw(st.integers(1, 30))
+    count = draw(st.integers(1, 12))
     numbers = st.floats(0, 1, width=32)
     values = draw(arrays(np.float32, (count, len(names)), elements=numbers))
     lost = draw(arrays(np.bool_, count)) & draw(st.booleans())

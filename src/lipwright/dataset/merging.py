@@ -107,14 +107,20 @@ def merge_datasets(
         for number, row in enumerate(rows, 1):
             entries.append(_copy(row, part, with_face=len(faces) <= 1))
             report("merge", number / len(rows))
-        manifest = {
-            "format": FORMAT, "version": VERSION, "lipwright": LIPWRIGHT, "name": out.name,
-            "licence": join_licences([d.manifest.get("licence") for d in datasets]),
-            "merged": [d.manifest.get("name") or d.path.name for d in datasets],
-            "recordings": sorted(entries, key=lambda entry: str(entry["name"])),
-        }  # fmt: skip
+        manifest = _manifest(out, datasets, entries)
         Dataset(part, manifest).save()
     return Dataset(out, manifest), tuple(notes)
+
+
+def _manifest(
+    out: Path, datasets: Sequence[Dataset], entries: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    return {
+        "format": FORMAT, "version": VERSION, "lipwright": LIPWRIGHT, "name": out.name,
+        "licence": join_licences([d.manifest.get("licence") for d in datasets]),
+        "merged": [d.manifest.get("name") or d.path.name for d in datasets],
+        "recordings": sorted(entries, key=lambda entry: str(entry["name"])),
+    }  # fmt: skip
 
 
 def join_licences(licences: Sequence[object]) -> str:
