@@ -24,6 +24,7 @@ def measure_errors(
     face: ReferenceFace,
     takes: Sequence[Take],
     parameters: Mapping[str, FaceParameters],
+    lights: Mapping[str, npt.NDArray[np.float32]],
     samples: Samples,
 ) -> Errors:
     """Round-trip errors of each stage.
@@ -32,6 +33,7 @@ def measure_errors(
         face: the model.
         takes: of one split.
         parameters: of each take by its name, as the model's modes give them.
+        lights: of each take by its name.
         samples: pixels of some of the frames, as the videos have them.
 
     Returns:
@@ -48,10 +50,10 @@ def measure_errors(
         "frames": int(sum(take.valid.sum() for take in takes)),
         "sampled_frames": len(samples.frames),
         "shape": _point_errors(face, takes, parameters),
-        "appearance": _grey_errors(face, parameters, samples),
+        "appearance": _grey_errors(face, parameters, lights, samples),
         "joint": {
             **_point_errors(face, takes, through_joint),
-            **_grey_errors(face, through_joint, samples),
+            **_grey_errors(face, through_joint, lights, samples),
         },
     }
 
@@ -74,15 +76,19 @@ def _point_errors(
 
 
 def _grey_errors(
-    face: ReferenceFace, parameters: Mapping[str, FaceParameters], samples: Samples
+    face: ReferenceFace,
+    parameters: Mapping[str, FaceParameters],
+    lights: Mapping[str, npt.NDArray[np.float32]],
+    samples: Samples,
 ) -> dict[str, dict[str, float]]:
     shown = {"inner": samples.visible, "outer": np.ones(len(samples.frames), bool)}
-    return {region: _region_errors(face, region, parameters, samples, shown[region])
+    return {region: _region_errors(face, region, parameters, lights, samples, shown[region])
             for region in REGIONS}  # fmt: skip
 
 
 def _region_errors(
-    face: ReferenceFace, region: str, parameters: Mapping[str, FaceParameters], samples: Samples,
+    face: ReferenceFace, region: str, parameters: Mapping[str, FaceParameters],
+    lights: Mapping[str, npt.NDArray[np.float32]], samples: Samples,
     shown: npt.NDArray[np.bool_],
 ) -> dict[str, float]:  # fmt: skip
     appearance = getattr(face, region)
@@ -92,7 +98,8 @@ def _region_errors(
         batch = chosen[first : first + _BATCH]
         rows = [samples.frames[index] for index in batch]
         values = np.stack([getattr(parameters[t.name], region)[frame] for t, frame in rows])
-        made = np.clip(appearance.pixels(values), 0, 255)
+        light = np.stack([lights[take.name] for take, _ in rows])[:, None]
+        made = np.clip(appearance.pixels(values) * light, 0, 255)
         apart = (made - samples.pixels[region][batch]) @ LUMA
         absolute += float(np.abs(apart).sum(dtype=np.float64))
         squares += float(np.square(apart, dtype=np.float64).sum())

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from lipwright.capture.face_errors import measure_errors
 from lipwright.capture.modes import Modes, find_modes
-from lipwright.capture.pixels import Samples, fill_inner, make_grids, project_take, sample_takes
+from lipwright.capture.pixels import Samples, lights_of, make_grids, sample_takes, take_parameters
 from lipwright.capture.takes import Take
 from lipwright.errors import LipwrightError
 from lipwright.face.appearance import Appearance
@@ -28,6 +28,7 @@ Report = Callable[[str, float], None]
 
 MAX_PIXELS: Final = 40_000  # Taylor et al. 2017, section 4.1
 PIXEL_MEMORY: Final = 1 << 30  # bytes of the pixels as float32; fewer frames are used beyond it
+MOST_JOINT: Final = 1000  # modes; more than shape and two regions have
 LEAST_FRAMES: Final = 50  # of the train split, and of those that show the inner mouth
 ERROR_FRAMES: Final = 1000  # of each split on which grey levels are compared
 
@@ -46,8 +47,8 @@ class FitOptions:
     """of the variance of each region's pixels"""
     joint_share: float = 0.99
     """of the variance of shape and pixel parameters together"""
-    most_modes: int = 200
-    """of a region, and joint"""
+    most_modes: int = 100
+    """of a region, whatever the share: modes beyond are the camera's noise"""
     frames: int = 4000
     """from which pixel modes are found, at most"""
     pixels: int = MAX_PIXELS
@@ -63,10 +64,21 @@ class FitOptions:
                 raise LipwrightError(f"{name} is {getattr(self, name)}; give {least} or more")
 
 
+@dataclass(frozen=True, eq=False)
+class FaceFit:
+    """A reference face and the recordings it was fitted to."""
+
+    face: ReferenceFace
+    parameters: dict[str, FaceParameters]
+    """recording to its parameters (T, ...), NaN where the face was lost"""
+    lights: dict[str, npt.NDArray[np.float32]]
+    """recording to its light (3,)"""
+
+
 def fit_reference_face(
     takes: Sequence[Take], options: FitOptions | None = None, report: Report | None = None
-) -> tuple[ReferenceFace, dict[str, FaceParameters]]:
-    """The model, and each take's parameters (T, ...), which are NaN where the face was lost.
+) -> FaceFit:
+    """The model, and what it makes of each take.
 
     The same takes and options give the same model.
 
@@ -83,19 +95,19 @@ def fit_reference_face(
     )
     modes = _pixel_modes(samples, options, report)
     regions = {region: _appearance(grids[region], modes[region]) for region in REGIONS}
-    parameters = project_takes(takes, shape, regions, report)
-    face = _join(train, parameters, shape, regions, options)
-    errors = _errors(face, {"train": train, "test": test}, parameters, samples, report)
+    parameters, lights = _project_takes(takes, shape, regions, report)
+    face, joint = _join(train, parameters, shape, regions, options)
+    errors = _errors(face, {"train": train, "test": test}, parameters, lights, samples, report)
     info = {
         "options": asdict(options),
-        "modes": _mode_facts(shape, modes, len(face.joint_modes)),
+        "modes": _mode_facts(shape, modes, joint),
         "frames": {"shape": len(_all_shapes(train)), "pixels": len(samples.frames),
                    "inner": int(samples.visible.sum())},
         "eye_distance_px": round(float(np.median(np.concatenate([t.unit[t.valid] for t in train]))),
                                  3),
         "errors": errors,
     }  # fmt: skip
-    return replace(face, info=info), parameters
+    return FaceFit(replace(face, info=info), parameters, lights)
 
 
 def _check_frames(train: Sequence[Take]) -> None:
@@ -123,12 +135,12 @@ def _frames_in_memory(most: int, grids: Mapping[str, Grid]) -> int:
 
 
 def _pixel_modes(samples: Samples, options: FitOptions, report: Report) -> dict[str, Modes]:
-    found = {}
+    found, lights = {}, lights_of(samples)
+    light = np.stack([lights[take.name] for take, _ in samples.frames])
     for number, region in enumerate(REGIONS):
         report("modes", number / len(REGIONS))
-        pixels = samples.pixels[region]
-        if region == "inner":
-            pixels = pixels[samples.visible]
+        chosen = samples.visible if region == "inner" else np.ones(len(light), bool)
+        pixels = samples.pixels[region][chosen] / light[chosen, None]
         rows = pixels.reshape(len(pixels), -1)
         found[region] = find_modes(rows, options.pixel_share, options.most_modes)
     report("modes", 1.0)
@@ -142,32 +154,27 @@ def _appearance(grid: Grid, modes: Modes) -> Appearance:
     return Appearance(grid, modes.mean.reshape(pixels), rounded.reshape(-1, *pixels), modes.sd)
 
 
-def project_takes(
+def _project_takes(
     takes: Sequence[Take], shape: Modes, regions: Mapping[str, Appearance], report: Report
-) -> dict[str, FaceParameters]:
-    """Name to the parameters of all frames; NaN where no face was seen."""
-    found = {}
+) -> tuple[dict[str, FaceParameters], dict[str, npt.NDArray[np.float32]]]:
+    """Name to the parameters of all frames, NaN where no face was seen, and to the light."""
+
+    def project_shape(shapes: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        apart = shapes.reshape(len(shapes), -1) - shape.mean
+        return np.asarray(apart @ shape.modes.T, np.float32)
+
+    parameters, lights = {}, {}
     for number, take in enumerate(takes):
         report("project", number / len(takes))
-        pixels = project_take(take, regions)
-        points = take.shapes.reshape(len(take), -1)
-        missing = ~np.isfinite(pixels["outer"]).all(axis=1)
-        parts: dict[str, npt.NDArray[np.float32]] = {
-            "shape": np.asarray((points - shape.mean) @ shape.modes.T, np.float32),
-            "inner": fill_inner(pixels["inner"], take.visible & ~missing),
-            "outer": pixels["outer"],
-        }
-        for part in parts.values():
-            part[missing] = np.nan
-        found[take.name] = FaceParameters(**parts)
+        parameters[take.name], lights[take.name] = take_parameters(take, project_shape, regions)
     report("project", 1.0)
-    return found
+    return parameters, lights
 
 
 def _join(
     train: Sequence[Take], parameters: Mapping[str, FaceParameters], shape: Modes,
     regions: Mapping[str, Appearance], options: FitOptions,
-) -> ReferenceFace:  # fmt: skip
+) -> tuple[ReferenceFace, Modes]:  # fmt: skip
     """Joint modes, equation 1, of all frames of the train split."""
     parts = [parameters[take.name] for take in train]
     rows = [np.concatenate([getattr(p, name) for p in parts])
@@ -179,35 +186,36 @@ def _join(
     weight = float(np.sqrt(grey / of_shape.var(axis=0).sum()))
     joint = find_modes(
         np.concatenate([weight * of_shape, inner, outer], axis=1),
-        options.joint_share, options.most_modes,
+        options.joint_share, MOST_JOINT,
     )  # fmt: skip
     depth = np.concatenate([take.points[take.valid][..., 2] for take in train]).mean(axis=0)
-    return ReferenceFace(
+    face = ReferenceFace(
         mean_shape=shape.mean.reshape(N, 2), depth=depth,
         shape_modes=shape.modes.reshape(-1, N, 2), shape_sd=shape.sd,
         inner=regions["inner"], outer=regions["outer"], weight=weight,
         joint_mean=joint.mean, joint_modes=joint.modes, joint_sd=joint.sd,
     )  # fmt: skip
+    return face, joint
 
 
 def _errors(
     face: ReferenceFace, splits: Mapping[str, Sequence[Take]],
-    parameters: Mapping[str, FaceParameters], samples: Samples, report: Report,
+    parameters: Mapping[str, FaceParameters], lights: Mapping[str, npt.NDArray[np.float32]],
+    samples: Samples, report: Report,
 ) -> dict[str, Any]:  # fmt: skip
     """Split to its errors; splits without recordings are left out."""
     grids = {region: getattr(face, region).grid for region in REGIONS}
-    errors = {"train": measure_errors(face, splits["train"], parameters,
+    errors = {"train": measure_errors(face, splits["train"], parameters, lights,
                                       samples.every(ERROR_FRAMES))}  # fmt: skip
     if splits["test"]:
         unseen = sample_takes(splits["test"], grids, ERROR_FRAMES, lambda x: report("errors", x))
-        errors["test"] = measure_errors(face, splits["test"], parameters, unseen)
+        errors["test"] = measure_errors(face, splits["test"], parameters, lights, unseen)
     return errors
 
 
-def _mode_facts(shape: Modes, regions: Mapping[str, Modes], joint: int) -> dict[str, Any]:
-    facts = {
+def _mode_facts(shape: Modes, regions: Mapping[str, Modes], joint: Modes) -> dict[str, Any]:
+    return {
         name: {"modes": len(found.modes), "share": round(found.share, 5),
                "variance": round(found.variance, 6)}
-        for name, found in (("shape", shape), *regions.items())
+        for name, found in (("shape", shape), *regions.items(), ("joint", joint))
     }  # fmt: skip
-    return {**facts, "joint": {"modes": joint}}

@@ -1,4 +1,10 @@
-"""The pixels of takes, sampled at the mean shape."""
+"""The pixels of takes, sampled at the mean shape, and the light that they were taken in.
+
+Light and white balance differ from recording to recording, and no sentence tells them. So that
+they do not pass for modes of speech, each recording has one light: red, green and blue of its skin
+over those of the model's, by which its pixels are divided (compare the normalisation of Cootes et
+al. 2001, section 2.2, which does so for each picture).
+"""
 
 from __future__ import annotations
 
@@ -13,6 +19,7 @@ import numpy.typing as npt
 
 from lipwright.capture.takes import Take
 from lipwright.face.appearance import Appearance
+from lipwright.face.reference import FaceParameters
 from lipwright.face.vertices import REGIONS, TRIANGLES, aperture
 from lipwright.face.warp import Grid, opencv
 
@@ -124,25 +131,75 @@ def sample_frame(
     return {region: grid.sample(picture, at) for region, grid in grids.items()}
 
 
-def project_take(take: Take, regions: Mapping[str, Appearance]) -> dict[str, Floats]:
-    """Region to parameters (T, n) of all frames; NaN where no face was seen or read.
+def take_parameters(
+    take: Take, project_shape: Callable[[Floats], Floats], regions: Mapping[str, Appearance]
+) -> tuple[FaceParameters, Floats]:
+    """The parameters (T, ...) of all frames, NaN where no face was seen or read, and the light.
+
+    Args:
+        take: the recording.
+        project_shape: shapes (T, 34, 2) to shape parameters (T, M).
+        regions: the appearance of each.
 
     Raises:
         LipwrightError: the video cannot be read.
     """
+    pixels, light = _project_pixels(take, regions)
+    missing = ~np.isfinite(pixels["outer"]).all(axis=1)
+    parts = {
+        "shape": np.array(project_shape(take.shapes), np.float32),
+        "inner": fill_inner(pixels["inner"], take.visible & ~missing),
+        "outer": pixels["outer"],
+    }
+    for part in parts.values():
+        part[missing] = np.nan
+    return FaceParameters(**parts), light
+
+
+def _project_pixels(
+    take: Take, regions: Mapping[str, Appearance]
+) -> tuple[dict[str, Floats], Floats]:
+    """Region to parameters (T, n), and the light (3,)."""
     grids = {region: appearance.grid for region, appearance in regions.items()}
-    parameters: dict[str, Floats] = {
-        region: np.full((len(take), len(appearance)), np.nan, np.float32)
+    # Projection is linear: red, green and blue are projected apart, and put together in the end,
+    # when the light of the whole recording is known.
+    channels: dict[str, Floats] = {
+        region: np.full((len(take), len(appearance), 3), np.nan, np.float32)
         for region, appearance in regions.items()
     }
+    colours = np.full((len(take), 3), np.nan, np.float32)
     pictures = take.pictures()
     while batch := list(islice(pictures, _BATCH)):
         frames = [frame for frame, _ in batch]
         samples = [sample_frame(picture, take, frame, grids) for frame, picture in batch]
         for region, appearance in regions.items():
-            pixels = np.stack([sample[region] for sample in samples])
-            parameters[region][frames] = appearance.project(pixels)
-    return parameters
+            pixels = np.stack([sample[region] for sample in samples]).astype(np.float32)
+            channels[region][frames] = appearance.project_channels(pixels)
+            if region == "outer":
+                colours[frames] = pixels.mean(axis=1)
+    light = light_of(colours, regions["outer"].mean.mean(axis=0))
+    return {
+        region: (channels[region] / light).sum(axis=-1) - appearance.mean_parameters
+        for region, appearance in regions.items()
+    }, light
+
+
+def light_of(colours: Floats, model: Floats) -> Floats:
+    """The light (3,) of a recording with mean colours (T, 3), NaN where lost, against (3,)."""
+    known = np.isfinite(colours).all(axis=1)
+    if not known.any():
+        return np.ones(3, np.float32)
+    return np.asarray(np.maximum(colours[known].mean(axis=0), 1) / np.maximum(model, 1), np.float32)
+
+
+def lights_of(samples: Samples) -> dict[str, Floats]:
+    """Recording to its light (3,), against the mean of all samples."""
+    colours = samples.pixels["outer"].mean(axis=1, dtype=np.float32)
+    of_take: dict[str, list[Floats]] = {}
+    for (take, _), colour in zip(samples.frames, colours, strict=True):
+        of_take.setdefault(take.name, []).append(colour)
+    model = colours.mean(axis=0)
+    return {name: light_of(np.stack(values), model) for name, values in of_take.items()}
 
 
 def fill_inner(inner: Floats, visible: npt.NDArray[np.bool_]) -> Floats:

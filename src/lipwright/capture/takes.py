@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +31,24 @@ class Take:
     """train, validation or test"""
     points: Floats
     """(T, 34, 3) eye distances, without the head's pose; NaN where lost"""
-    at: Floats
-    """(T, 34, 2) pixels, the same in the picture"""
-    unit: Floats
-    """(T,) pixels an eye distance"""
+    head_pose: Floats
+    """(T, 3, 4), pixels (x, y, z) = head_pose @ (point, 1); NaN where lost"""
     video: Path
 
     def __len__(self) -> int:
         """The number of frames, T."""
         return len(self.points)
+
+    @cached_property
+    def at(self) -> Floats:
+        """(T, 34, 2) pixels, the points in the picture."""
+        return in_picture(self.points, self.head_pose)
+
+    @cached_property
+    def unit(self) -> Floats:
+        """(T,) pixels an eye distance."""
+        # Depth is in pixels too, so that turning the head does not shorten the axis.
+        return np.asarray(np.linalg.norm(self.head_pose[..., 0], axis=-1))
 
     @property
     def shapes(self) -> Floats:
@@ -80,11 +89,15 @@ def make_take(recording: Recording, split: str, videos: Path | None = None) -> T
     if source is None:
         return None
     points = motion.landmarks[:, LANDMARKS]
-    pose = motion.head_pose[:, :2]
-    at = np.einsum("tij,tnj->tni", pose[..., :3], points) + pose[:, None, :, 3]
-    # The length of the x axis in the picture's pixels, depth included: turning does not shorten it.
-    unit = np.linalg.norm(motion.head_pose[..., 0], axis=-1)
-    return Take(recording.name, split, points, at, unit, find_video(recording, source, videos))
+    return Take(
+        recording.name, split, points, motion.head_pose, find_video(recording, source, videos)
+    )
+
+
+def in_picture(points: Floats, head_pose: Floats) -> Floats:
+    """Points (T, n, 3) without the head's pose as pixels (T, n, 2)."""
+    turned = points @ head_pose[:, :2, :3].transpose(0, 2, 1)
+    return np.asarray(turned + head_pose[:, None, :2, 3])
 
 
 def _video_source(recording: Recording) -> dict[str, Any] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -68,6 +69,24 @@ class Appearance:
         apart = np.asarray(pixels, np.float32) - self.mean
         flat = apart.reshape(*apart.shape[:-2], -1)
         return np.asarray(flat @ self.modes.reshape(len(self), -1).T)
+
+    def project_channels(self, pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+        """What red, green and blue of pixels (T, P, 3) add to the parameters: (T, n, 3).
+
+        Their sum less `mean_parameters` is what `project` gives.
+        """
+        channels = np.ascontiguousarray(np.moveaxis(np.asarray(pixels, np.float32), -1, 0))
+        return np.stack([c @ m.T for c, m in zip(channels, self._by_channel, strict=True)], axis=-1)
+
+    @cached_property
+    def _by_channel(self) -> npt.NDArray[np.float32]:
+        """(3, n, P) the modes, so stored that products with them are fast."""
+        return np.ascontiguousarray(np.moveaxis(self.modes, -1, 0))
+
+    @cached_property
+    def mean_parameters(self) -> npt.NDArray[np.float32]:
+        """(n,) the modes' share of the mean."""
+        return np.asarray(self.modes.reshape(len(self), -1) @ self.mean.reshape(-1))
 
     def pixels(self, parameters: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """The pixels (..., P, 3) of parameters (..., n), not yet clipped to 0 to 255."""

@@ -159,8 +159,9 @@ class ReferenceFace:
         return np.stack(drawn).reshape(*y.shape[:-1], *drawn[0].shape)
 
     def draw(
-        self, parameters: FaceParameters, points: Values, size: tuple[int, int]
-    ) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
+        self, parameters: FaceParameters, points: Values, size: tuple[int, int],
+        light: npt.ArrayLike = 1.0,
+    ) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:  # fmt: skip
         """The appearance of one frame, warped to a shape in a picture.
 
         The inner mouth is drawn where the lips are apart; else they meet.
@@ -169,6 +170,7 @@ class ReferenceFace:
             parameters: of one frame; the shape among them is not used.
             points: (34, 2) pixels, where the vertices are to lie.
             size: width and height of the picture.
+            light: (3,) red, green and blue of a recording over those of the model.
 
         Returns:
             (H, W, 3) sRGB, black outside; (H, W) where it was drawn.
@@ -184,6 +186,7 @@ class ReferenceFace:
         )
         drawn = ~np.isnan(canvas[..., 0])
         canvas[~drawn] = 0
+        canvas *= np.asarray(light, np.float32)
         return np.clip(np.rint(canvas), 0, 255).astype(np.uint8), drawn
 
     @property
@@ -191,8 +194,9 @@ class ReferenceFace:
         return float(np.linalg.norm(np.ptp(self.mean_shape[HULL], axis=0)))
 
     def project(
-        self, points: npt.ArrayLike, picture: npt.NDArray[np.uint8], at: Values
-    ) -> npt.NDArray[np.float32]:
+        self, points: npt.ArrayLike, picture: npt.NDArray[np.uint8], at: Values,
+        light: npt.ArrayLike = 1.0,
+    ) -> npt.NDArray[np.float32]:  # fmt: skip
         """The joint parameters (q,) of one frame.
 
         Where the lips are shut, the inner mouth is taken for the mean; over time,
@@ -202,12 +206,13 @@ class ReferenceFace:
             points: (34, 2) the vertices without the head's pose, eye distances.
             picture: (H, W, 3) sRGB.
             at: (34, 2) pixels, the vertices in the picture.
+            light: (3,) red, green and blue of the recording over those of the model.
         """
-        points = np.asarray(points, np.float32)
+        points, light = np.asarray(points, np.float32), np.asarray(light, np.float32)
         inner: Floats = np.zeros(len(self.inner), np.float32)
         if aperture(points) >= VISIBLE:
-            inner = self.inner.project(self.inner.grid.sample(picture, at))
-        outer = self.outer.project(self.outer.grid.sample(picture, at))
+            inner = self.inner.project(self.inner.grid.sample(picture, at) / light)
+        outer = self.outer.project(self.outer.grid.sample(picture, at) / light)
         return self.join(FaceParameters(self.project_shape(points), inner, outer))
 
     def pose(self, mode: int, sigma: float, kind: Kind = "joint") -> FaceParameters:
@@ -231,6 +236,28 @@ class ReferenceFace:
             return self.split(y)
         zeros = {part: np.zeros(len(self.sd(part)), np.float32) for part in PARTS}
         return FaceParameters(**{**zeros, kind: y})
+
+    def summary(self) -> dict[str, str]:
+        """What the model is made of, a line each."""
+        facts = self.info.get("modes", {})
+        shape, inner, outer = self.sizes
+
+        def modes(name: str, count: int) -> str:
+            share = facts.get(name, {}).get("share")
+            return f"{count}" if share is None else f"{count}, {share:.1%} of the variance"
+
+        energy = np.square(self.shape_sd) / np.square(self.shape_sd).sum()
+        return {
+            "vertices": f"{N}",
+            "shape modes": modes("shape", shape),
+            "first four of them": f"{energy[:4].sum():.1%} of what the modes hold",
+            "inner mouth": f"{self.inner.grid.count} pixels, modes: {modes('inner', inner)}",
+            "rest of the lower face": f"{self.outer.grid.count} pixels, modes: "
+            f"{modes('outer', outer)}",
+            "joint modes": modes("joint", len(self.joint_modes)),
+            "dataset": str(self.info.get("dataset", "")),
+            "licence": str(self.info.get("licence", "")),
+        }
 
 
 def meeting(points: Values) -> Values:
