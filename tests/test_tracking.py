@@ -303,6 +303,23 @@ def test_what_is_no_video_of_speech_is_refused_in_one_line(tmp_path: Path, name:
     assert "\n" not in str(caught.value)
 
 
+def test_damaged_frames_are_left_out_and_too_many_refused(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    noise = [rng.integers(0, 255, (48, 64, 3)).astype(np.uint8) for _ in range(50)]
+    path = encode(tmp_path / "worn.mov", noise)
+    whole = path.read_bytes()
+    place = whole.index(b"mdat") + len(whole) // 2
+    few = len(whole) // 20  # two or three frames
+    path.write_bytes(whole[:place] + bytes(few) + whole[place + few :])
+    video = open_video(path)
+    assert len(video.times) == 50
+    assert 45 <= len(dict(read_frames(video))) < 50
+    many = len(whole) // 3
+    path.write_bytes(whole[:place] + bytes(many) + whole[place + many :])
+    with pytest.raises(LipwrightError, match=r"worn\.mov: is damaged: \d+ of 50 frames"):
+        list(read_frames(open_video(path)))
+
+
 # Faces ------------------------------------------------------------------------------------------
 
 

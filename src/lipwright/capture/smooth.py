@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.capture.landmarks import aperture
+from lipwright.evaluate.lips import LOUD_PERCENTILE
 
 Floats = npt.NDArray[np.float64]
 
@@ -18,7 +19,6 @@ DEEP: Final = 0.25  # of the loud aperture: a minimum that is lower by this than
 AROUND: Final = 0.2  # s to either side in which it must be opened so far
 FADE: Final = 0.02  # s to either side of a closure in which the raw landmarks fade out
 _PART: Final = 32  # landmarks smoothed at once: in double precision an hour of all is 1.2 GB
-LOUD_PERCENTILE: Final = 95
 
 
 def smooth(landmarks: npt.NDArray[np.floating], fps: float) -> npt.NDArray[np.float32]:
