@@ -11,6 +11,7 @@ import numpy as np
 from lipwright.capture.fit_face import FaceFit, FitOptions, fit_reference_face
 from lipwright.capture.takes import Take, make_take
 from lipwright.dataset.folder import Dataset, sha256_of
+from lipwright.dataset.lock import locked
 from lipwright.errors import LipwrightError
 from lipwright.face.reference import ReferenceFace
 from lipwright.face.reference_file import save_reference_face
@@ -48,6 +49,13 @@ def fit_dataset(
             cannot be written.
     """
     report = report or (lambda stage, share: None)
+    with locked(dataset.path):
+        return _fit_dataset(dataset, out, options, videos, report)
+
+
+def _fit_dataset(
+    dataset: Dataset, out: Path, options: FitOptions | None, videos: Path | None, report: Report
+) -> FittedDataset:
     takes, skipped = load_takes(dataset, videos, report)
     if not takes:
         raise LipwrightError(
