@@ -77,16 +77,6 @@ def test_the_tracker_finds_the_face_in_every_frame(bench: dict[str, Any]) -> Non
     assert 0 < np.nanmin(sentence.aperture.values) < 0.02 < sentence.aperture.loud < 0.5
 
 
-def test_a_video_without_a_picture_or_that_is_none_is_refused(tmp_path: Path) -> None:
-    from lipwright.capture.tracker import read_frames
-    from lipwright.errors import LipwrightError
-
-    (tmp_path / "note.mp4").write_text("no video")
-    for path in (tmp_path / "note.mp4", tmp_path / "missing.mp4", ROOT / "examples/hello.flac"):
-        with pytest.raises(LipwrightError, match=path.name):
-            read_frames(path)
-
-
 def test_every_kind_of_sentence_aligns_without_losing_a_word(bench: dict[str, Any]) -> None:
     from lipwright.pipeline import align_speech
 

@@ -146,7 +146,7 @@ def _open(path: str | os.PathLike[str]) -> Iterator[tuple[InputContainer, VideoS
     """The container and its moving picture."""
     import av
 
-    av.logging.set_level(av.logging.PANIC)  # libav writes to standard error otherwise
+    av.logging.set_level(None)  # with a level, threads that decode wait for Python
     with _open_file(path) as file:
         try:
             container = av.open(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from lipwright.cli import animating, capturing, heads, listing
+from lipwright.cli import animating, capturing, datasets, faces, heads, listing
 from lipwright.version import VERSION
 
 
@@ -20,6 +20,8 @@ def app() -> None:
 app.add_command(animating.animate)
 app.add_command(animating.align)
 app.add_command(capturing.capture)
+app.add_command(datasets.dataset)
+app.add_command(faces.face)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

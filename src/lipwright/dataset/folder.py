@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from lipwright.dataset.recording import (
     FACE_FILE,
     INFO_FILE,
     Recording,
+    from_json,
     is_safe_name,
     read_recording,
     to_json,
@@ -151,7 +151,7 @@ def open_dataset(path: str | os.PathLike[str]) -> Dataset:
     root = Path(path)
     source = root / MANIFEST_FILE
     try:
-        manifest = json.loads(source.read_text("utf-8"))
+        manifest = from_json(source.read_text("utf-8"))
     except FileNotFoundError as error:
         raise LipwrightError(
             f"{path}: not a dataset: it has no {MANIFEST_FILE}; make one with: lipwright capture"

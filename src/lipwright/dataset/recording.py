@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import struct
 import zipfile
@@ -225,7 +226,7 @@ def read_info(folder: Path) -> dict[str, Any]:
     """
     path = folder / INFO_FILE
     try:
-        info = json.loads(path.read_text("utf-8"))
+        info = from_json(path.read_text("utf-8"))
     except OSError as error:
         raise LipwrightError(f"{path}: cannot be read: {error.strerror}; {REMEDY}") from error
     except (ValueError, RecursionError) as error:
@@ -260,6 +261,23 @@ def _seconds(folder: Path, values: dict[str, Any], key: str) -> float:
     if isinstance(seconds, bool) or not isinstance(seconds, int | float):
         raise LipwrightError(f"{folder / INFO_FILE}: {key!r} is not a number of s; {REMEDY}")
     return float(seconds)
+
+
+def from_json(text: str) -> Any:
+    """What JSON text says; unlike `json.loads`, no endless numbers and no NaN.
+
+    Raises:
+        ValueError: it is not JSON.
+        RecursionError: it is nested too deeply.
+    """
+    return json.loads(text, parse_constant=_finite, parse_float=_finite)
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is not a finite number")
+    return value
 
 
 def to_json(value: Any) -> str:
