@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from lipwright.audio import Audio, write_flac
 from lipwright.clip import Clip
+from lipwright.dataset.checking import check_dataset
 from lipwright.dataset.folder import RECORDINGS, Dataset, open_dataset, recording_files, sha256_of
 from lipwright.dataset.recording import Flag, Motion, save_motion, write_info
 from lipwright.errors import LipwrightError
@@ -483,11 +484,13 @@ def test_the_parameters_lie_beside_each_recording(
         visible = aperture(wanted) >= 0.03
         assert (kept["inner_visible"][seen] == visible[seen]).mean() > 0.9
     assert dataset.recording("weights").face() is None
+    problems = check_dataset(dataset).problems
+    assert not [line for line in problems if "face.npz" in line]
 
 
 def test_the_light_of_a_recording_is_no_mode(fitted: tuple[Path, Any], made: Dataset) -> None:
     dataset = open_dataset(made.path)
-    lights = np.stack([dataset.recording(name).face()["light"] for name in NAMES])  # type: ignore[index]
+    lights = np.stack([dataset.recording(name).face()["light"][0] for name in NAMES])  # type: ignore[index]
     wanted = 1 + 0.03 * np.arange(10)[:, None] * np.array([1, 0, -1])
     assert np.corrcoef(lights[:, 0], wanted[:, 0])[0, 1] > 0.98
     assert np.corrcoef(lights[:, 2], wanted[:, 2])[0, 1] > 0.98

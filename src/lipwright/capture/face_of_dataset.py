@@ -107,7 +107,7 @@ def _save_parameters(
         arrays = {
             "shape": parameters.shape, "inner": parameters.inner, "outer": parameters.outer,
             "joint": fit.face.join(parameters), "inner_visible": take.visible,
-            "light": fit.lights[take.name], "model": np.array(model),
+            "light": np.tile(fit.lights[take.name], (len(take), 1)), "model": np.array(model),
         }  # fmt: skip
         dataset.save_face(take.name, arrays)
     dataset.with_files(tuple(take.name for take in takes)).save()
