@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\b
 Examples:
   lipwright capture videos/ --transcripts words/ -o anna
-    anna: 120 recordings captured, 0 failed; 3 should be left out, see anna/report/index.html
+    anna: 2 recordings captured, 0 failed; 0 should be left out, see anna/report/index.html
 \b
   lipwright capture take1.mov take2.mov --transcripts lines.tsv -o anna
   lipwright capture videos/ --audio sounds/ --transcripts words/ -o anna --reject

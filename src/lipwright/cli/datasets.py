@@ -15,35 +15,37 @@ from lipwright.errors import LipwrightError
 SHOWN = 10  # names of rejected recordings
 INFO_EXAMPLES = """\b
 Examples:
-  lipwright dataset info faces
-    recordings  880: 880 captured
-    splits      50 test, 780 train, 50 validation
+  lipwright dataset info anna
+    name        anna
+    licence     CC0
+    recordings  2: 2 captured
+    splits      2 train
 \b
-  lipwright dataset info faces --json
+  lipwright dataset info anna --json
 """
 CHECK_EXAMPLES = """\b
 Examples:
-  lipwright dataset check faces
-    faces: 880 recordings, no problems
+  lipwright dataset check anna
+    anna: 2 recordings, no problems
 \b
-  lipwright dataset check faces --accept    # after editing phones by hand
-    faces: 1 edited recording accepted
-    faces: 880 recordings, no problems
+  lipwright dataset check anna --accept    # after editing phones by hand
+    anna: 1 edited recording accepted
+    anna: 2 recordings, no problems
 """
 MERGE_EXAMPLES = """\b
 Examples:
   lipwright dataset merge anna bert -o both
-    both: 120 recordings
+    both: 3 recordings
 \b
   lipwright dataset merge monday tuesday --prefix mon- --prefix tue- -o week
 """
 SPLIT_EXAMPLES = """\b
 Examples:
-  lipwright dataset split faces
-    faces: 50 test, 780 train, 50 validation
+  lipwright dataset split anna
+    anna: 2 train
 \b
-  lipwright dataset split faces --hold-out-words m,v,y
-    faces: 44 test, 680 train, 114 unseen, 42 validation
+  lipwright dataset split grid --hold-out-words m,v,y
+    grid: 44 test, 680 train, 114 unseen, 42 validation
 """
 
 dataset_argument = click.argument("path", metavar="DATASET", type=Path)

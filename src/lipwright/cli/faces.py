@@ -15,26 +15,29 @@ if TYPE_CHECKING:
 
 FIT_EXAMPLES = """\b
 Examples:
-  lipwright face fit grid -o grid-face.npz
-    grid-face.npz: 10 shape, 23 + 100 pixel and 93 joint modes from 880 recordings
-    test: points 0.0039 eye distances (0.17 px), grey levels 2.6 inner mouth, 1.2 rest
+  lipwright face fit anna -o anna-face.npz
+    anna-face.npz: 3 shape, 12 + 25 pixel and 15 joint modes from 2 recordings
+    train: points 0.0033 eye distances (0.24 px), grey levels 4.55 inner mouth, 0.69 rest
 \b
-  lipwright face fit grid -o grid-face.npz --videos /media/grid
+  lipwright face fit anna -o anna-face.npz --videos moved/videos
 """
 INFO_EXAMPLES = """\b
 Example:
-  lipwright face info grid-face.npz
+  lipwright face info anna-face.npz
     vertices: 34
-    shape modes: 10, 99.2 % of the variance
+    shape modes: 3, 99.1% of the variance
 """
 SHOW_EXAMPLES = """\b
 Example:
-  lipwright face show grid-face.npz -o modes.png --modes 4
+  lipwright face show anna-face.npz -o modes.png --modes 2
+    modes.png: written
 """
 OVERLAY_EXAMPLES = """\b
 Examples:
-  lipwright face overlay grid-face.npz grid bbaf2n -o bbaf2n.mp4
-  lipwright face overlay grid-face.npz grid bbaf2n --params guess.csv -o guess.mp4
+  lipwright face overlay anna-face.npz anna anna1 -o anna1.mp4
+    anna1.mp4: 53 frames
+\b
+  lipwright face overlay anna-face.npz anna anna1 --params guess.csv -o guess.mp4
 """
 
 face_argument = click.argument("face_file", metavar="FACE.npz", type=Path)
