@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import secrets
+import os
 import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
 from lipwright.audio import open_audio, write_flac
+from lipwright.capture.filling import filled
 from lipwright.capture.observe import (
     Observation,
     contact_picture,
@@ -44,8 +44,6 @@ from lipwright.speech import Alignment
 from lipwright.track import PhoneTrack
 from lipwright.version import VERSION
 
-PART_MARK: Final = ".part."  # in the names of folders that are being filled
-OLD_MARK: Final = ".old."  # in the names of folders that are being replaced
 LAYOUT: Final = 1  # raise when what is captured of the same files changes
 MAX_SOUND_RATE: Final = 48000  # Hz, of the sound that is kept
 LEAST_OVERLAP: Final = 0.5  # of the longer of picture and sound, in the shorter
@@ -125,13 +123,24 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
         else:
             fresh = False
     except LipwrightError as error:
-        message = str(error)
-        if source.name not in message:
-            message = f"{source.face}: {message}"
-        return Outcome(source.name, error=" ".join(message.split()))
+        return _failure(source, str(error))
+    except Exception as error:  # the other recordings go on
+        if os.environ.get("LIPWRIGHT_DEBUG"):
+            raise
+        return _failure(
+            source,
+            f"failed inside ({type(error).__name__}: {error}); this is a bug: run again with "
+            "LIPWRIGHT_DEBUG=1 and report what it prints",
+        )
     return Outcome(
         source.name, warnings=tuple(info["warnings"]), reasons=tuple(info["reject"]), fresh=fresh
     )
+
+
+def _failure(source: Source, message: str) -> Outcome:
+    if source.name not in message:
+        message = f"{source.face}: {message}"
+    return Outcome(source.name, error=" ".join(message.split()))
 
 
 def _key(source: Source, options: CaptureOptions) -> str:
@@ -152,7 +161,11 @@ def _files_of(source: Source) -> dict[str, Path]:
 
 
 def _finished(folder: Path, key: str) -> dict[str, Any] | None:
-    """The recording.json of a folder that holds all that this capture would give."""
+    """The recording.json of a folder that holds all that this capture would give.
+
+    Raises:
+        LipwrightError: its corrected phones cannot be read.
+    """
     if not (folder / INFO_FILE).is_file():
         return None
     try:
@@ -160,13 +173,20 @@ def _finished(folder: Path, key: str) -> dict[str, Any] | None:
     except LipwrightError:
         return None
     files = info.get("files")
-    whole = isinstance(files, dict) and all((folder / str(file)).is_file() for file in files)
-    return info if whole and info.get("key") == key else None
+    if info.get("key") != key or not isinstance(files, dict):
+        return None
+    whole = all((folder / file).is_file() for file in files) and all(
+        sha256_of(folder / file) == digest for file, digest in files.items() if file != PHONES_FILE
+    )
+    if whole:
+        edited_phones(folder)  # refuses those that cannot be read
+    return info if whole else None
 
 
 def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) -> dict[str, Any]:
     _check_room(folder.parent)
-    seen, alignment = _observe(source, edited_phones(folder), options)
+    edited = edited_phones(folder)
+    seen, alignment = _observe(source, edited, options)
     track = alignment.track
     offset = _offset(seen, track)
     lag = (offset.seconds if offset.trusted else 0.0) - seen.start
@@ -182,7 +202,9 @@ def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) ->
         "quality": quality,
         "reject": reject_reasons(quality, offset=offset.to_info()),
     }
-    with _filled(folder) as part:
+    if edited is not None:
+        info["edited_phones"] = True
+    with filled(folder) as part:
         save_motion(part / MOTION_FILE, motion)
         write_track(part / PHONES_FILE, track)
         _save_sound(part / AUDIO_FILE, source.audio or source.face)
@@ -222,15 +244,26 @@ def _observe(
 def edited_phones(folder: Path) -> PhoneTrack | None:
     """The phones of an earlier capture that somebody has corrected since; None without any.
 
+    Where nothing tells whether they were corrected, they are taken for it.
+
     Raises:
         LipwrightError: they cannot be read.
     """
     path = folder / PHONES_FILE
-    if not path.is_file() or not (folder / INFO_FILE).is_file():
+    if not path.is_file():
         return None
-    files = read_info(folder).get("files")
+    try:
+        info = read_info(folder)
+    except LipwrightError:
+        info = {}
+    files = info.get("files")
     known = files.get(PHONES_FILE) if isinstance(files, dict) else None
-    return None if known == sha256_of(path) else read_track(path)
+    if known == sha256_of(path) and info.get("edited_phones") is not True:
+        return None
+    try:
+        return read_track(path)
+    except LipwrightError as error:
+        raise LipwrightError(f"{error}; or delete the file to align again") from error
 
 
 def _save_sound(path: Path, source: Path) -> None:
@@ -307,22 +340,3 @@ def _alignment_warnings(source: Source, alignment: Alignment) -> Iterator[str]:
         )
     for start, end in alignment.unwritten:
         yield f"{source.face}: speech at {start:.2f} to {end:.2f} s has no words"
-
-
-@contextmanager
-def _filled(folder: Path) -> Iterator[Path]:
-    """A folder to fill, which takes the place of `folder` when the block ends well."""
-    token = secrets.token_hex(4)
-    part = folder.with_name(f".{token}{PART_MARK}{folder.name}")
-    old = folder.with_name(f".{token}{OLD_MARK}{folder.name}")
-    try:
-        part.mkdir(parents=True)
-        yield part
-        if folder.exists():
-            folder.rename(old)
-        part.rename(folder)
-    except OSError as error:
-        raise LipwrightError(f"{folder}: cannot be written: {error.strerror or error}") from error
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
-        shutil.rmtree(old, ignore_errors=True)

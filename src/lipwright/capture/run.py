@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -17,17 +16,12 @@ from multiprocessing.process import parent_process
 from pathlib import Path
 from typing import Any, Final
 
-from lipwright.capture.job import (
-    OLD_MARK,
-    PART_MARK,
-    CaptureOptions,
-    Outcome,
-    capture_recording,
-    prepare,
-)
+from lipwright.capture.filling import sweep
+from lipwright.capture.job import CaptureOptions, Outcome, capture_recording, prepare
 from lipwright.capture.sources import Source
 from lipwright.dataset.folder import MANIFEST_FILE, RECORDINGS, Dataset, open_dataset
 from lipwright.dataset.lock import LOCK_FILE, locked
+from lipwright.dataset.recording import INFO_FILE
 from lipwright.errors import LipwrightError
 
 Report = Callable[[str, float], None]
@@ -79,7 +73,7 @@ def capture(
 
     _make_folder(path)
     with locked(path):
-        _sweep(path)
+        sweep(path / RECORDINGS)
         prepare(sources, options)
         outcomes: dict[str, Outcome] = {}
         report("capture", 0.0)
@@ -92,32 +86,33 @@ def capture(
 
 
 def _make_folder(path: Path) -> None:
-    if path.is_dir() and not (path / MANIFEST_FILE).is_file():
-        strangers = [
-            file.name for file in path.iterdir() if file.name not in (RECORDINGS, LOCK_FILE)
-        ]
-        if strangers:
-            raise LipwrightError(
-                f"{path}: holds {sorted(strangers)[0]!r} and is no dataset; name a new folder"
-            )
-    elif path.exists():
-        open_dataset(path)  # refuses what is not ours
     try:
+        if path.exists() and not path.is_dir():
+            raise LipwrightError(f"{path}: is a file; name a new folder")
+        if (path / MANIFEST_FILE).is_file():
+            open_dataset(path)  # refuses what is not ours
+        elif strangers := _strangers(path):
+            raise LipwrightError(
+                f"{path}: holds {strangers[0]!r} and is no dataset; name a new folder"
+            )
         (path / RECORDINGS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{path}: cannot be made: {error.strerror}") from error
 
 
-def _sweep(path: Path) -> None:
-    """Remove what killed runs were filling, and put back what they were about to replace."""
-    for folder in sorted((path / RECORDINGS).iterdir()):
-        name = folder.name.partition(OLD_MARK)[2]
-        if not folder.name.startswith("."):
-            continue
-        if name and not folder.with_name(name).exists():
-            folder.rename(folder.with_name(name))
-        elif name or PART_MARK in folder.name:
-            shutil.rmtree(folder, ignore_errors=True)
+def _strangers(path: Path) -> list[str]:
+    """What a first run into this folder that was stopped cannot have left there."""
+    if not path.is_dir():
+        return []
+    found = [file.name for file in path.iterdir() if file.name not in (RECORDINGS, LOCK_FILE)]
+    recordings = path / RECORDINGS
+    if recordings.is_dir():
+        found += [
+            f"{RECORDINGS}/{folder.name}"
+            for folder in recordings.iterdir()
+            if folder.name[0] != "." and not (folder / INFO_FILE).is_file()
+        ]
+    return sorted(found)
 
 
 def _all_outcomes(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
+import unicodedata
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,17 +68,17 @@ def find_sources(
         LipwrightError: nothing to capture, two recordings of one name, or an option that names
             nothing.
     """
-    files = [file for face in faces for file in _faces_in(face)]
+    named = {file.absolute(): file for face in faces for file in _faces_in(face)}
+    files = list(named.values())
     if not files:
         raise LipwrightError("nothing to capture; name videos, or folders with videos")
-    counts = Counter(_name(file) for file in files)
-    if repeated := [name for name, count in counts.items() if count > 1]:
-        twice = ", ".join(str(file) for file in files if _name(file) == repeated[0])
-        raise LipwrightError(f"two recordings are named {repeated[0]!r}: {twice}; rename one")
+    _check_names(files)
     for option, path in (("--audio", audio), ("--transcripts", transcripts), ("--phones", phones)):
-        if path is not None and not path.exists():
+        if path is None:
+            continue
+        if not _exists(path):
             raise LipwrightError(f"{path}: no such file or folder; {option} names nothing")
-        if option != "--transcripts" and path is not None and path.is_file() and len(files) > 1:
+        if option != "--transcripts" and not _is_folder(path) and len(files) > 1:
             raise LipwrightError(
                 f"{path}: one file cannot serve {len(files)} recordings; {option} takes a folder"
             )
@@ -88,12 +89,49 @@ def find_sources(
     return sorted(found, key=lambda source: source.name)
 
 
+def _check_names(files: Sequence[Path]) -> None:
+    by_name: dict[str, list[Path]] = defaultdict(list)
+    for file in files:
+        by_name[_folded(_name(file))].append(file)
+    for alike in by_name.values():
+        if len(alike) > 1:
+            name, twice = _name(alike[0]), ", ".join(map(str, alike))
+            raise LipwrightError(f"two recordings are named {name!r}: {twice}; rename one")
+
+
+def _folded(stem: str) -> str:
+    """Alike for names that some systems do not tell apart: by capitals, or accents on their own."""
+    return unicodedata.normalize("NFC", stem).casefold()
+
+
 def _faces_in(path: Path) -> list[Path]:
-    if not path.is_dir():
+    if not _is_folder(path):
         return [path]
-    files = sorted(file for file in path.iterdir() if _is_visible(file))
-    faces = [file for file in files if file.suffix.lower() in VIDEOS]
+    there = _visible_in(path)
+    files = [file for file in there if _is_file(file)]
+    lost = [file for file in there if not _exists(file)]  # links to nothing are told
+    faces = [file for file in (*files, *lost) if file.suffix.lower() in VIDEOS]
     return _with_takes(files, faces)
+
+
+def _visible_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(file for file in folder.iterdir() if not file.name.startswith("."))
+    except OSError as error:
+        raise LipwrightError(f"{folder}: cannot be read: {error.strerror}") from error
+
+
+# Unlike those of pathlib these answer too where a name is too long or a folder is shut.
+def _exists(path: Path) -> bool:
+    return os.path.exists(path)  # noqa: PTH110
+
+
+def _is_file(path: Path) -> bool:
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def _is_folder(path: Path) -> bool:
+    return os.path.isdir(path)  # noqa: PTH112
 
 
 def _with_takes(files: list[Path], videos: list[Path]) -> list[Path]:
@@ -103,10 +141,6 @@ def _with_takes(files: list[Path], videos: list[Path]) -> list[Path]:
     takes = list(find_takes(files))
     movies = {movie.resolve() for take in takes for movie in sounds_beside(take)}
     return [video for video in videos if video.resolve() not in movies] + takes
-
-
-def _is_visible(file: Path) -> bool:
-    return file.is_file() and not file.name.startswith(".")
 
 
 def _stems(face: Path) -> tuple[str, ...]:
@@ -131,18 +165,21 @@ class _Matches:
 
     def __init__(self, path: Path | None, suffixes: tuple[str, ...]) -> None:
         self.path = path
-        self._by_stem: dict[str, Path] = {}
-        if path is not None and path.is_dir():
+        self._exact: dict[str, Path] = {}
+        self._folded: dict[str, Path] = {}
+        if path is not None and _is_folder(path):
+            there = [file for file in _visible_in(path) if _is_file(file)]
             # The first suffix of the list wins where several files have one stem.
             for suffix in reversed(suffixes):
-                for file in sorted(path.iterdir()):
-                    if _is_visible(file) and file.name.lower().endswith(suffix):
-                        self._by_stem[file.name[: -len(suffix)].casefold()] = file
+                for file in there:
+                    if file.name.lower().endswith(suffix):
+                        stem = file.name[: -len(suffix)]
+                        self._exact[stem] = self._folded[_folded(stem)] = file
 
     def get(self, face: Path) -> Path | None:
-        if self.path is not None and not self.path.is_dir():
+        if self.path is not None and not _is_folder(self.path):
             return self.path
-        found = (self._by_stem.get(stem.casefold()) for stem in _stems(face))
+        found = (self._exact.get(stem) or self._folded.get(_folded(stem)) for stem in _stems(face))
         return next(filter(None, found), None)
 
 
@@ -153,8 +190,8 @@ class _Transcripts:
         self.path = path
         self._files = _Matches(path, WORDS)
         self._lines: dict[str, tuple[str, str]] = {}
-        if path is not None and path.is_file():
-            self._read_table(path, {stem for face in faces for stem in _stems(face)})
+        if path is not None and _is_file(path):
+            self._read_table(path, {_folded(stem) for face in faces for stem in _stems(face)})
             if not self._lines and len(faces) > 1:
                 raise LipwrightError(
                     f"{path}: no line starts with a recording's name and a tab; give a folder of "
@@ -165,12 +202,18 @@ class _Transcripts:
         for number, line in enumerate(_read(path).splitlines(), 1):
             for separator in SEPARATORS:
                 name, found, words = line.partition(separator)
-                if found and (name.strip() in stems or Path(name.strip()).stem in stems):
-                    stem = name.strip() if name.strip() in stems else Path(name.strip()).stem
+                keys = (_folded(name.strip()), _folded(Path(name.strip()).stem))
+                stem = next((key for key in keys if key in stems), None)
+                if found and stem is not None:
                     # LJSpeech has the words as written and then as spoken.
                     spoken = words.rsplit(separator, 1)[-1].strip()
-                    self._lines[stem] = (spoken, f"{path}: line {number}")
+                    self._add_line(stem, spoken, f"{path}: line {number}")
                     break
+
+    def _add_line(self, stem: str, words: str, place: str) -> None:
+        before, where = self._lines.setdefault(stem, (words, place))
+        if before != words:
+            raise LipwrightError(f"{place}: {stem!r} has other words at {where}; keep one of them")
 
     def get(self, face: Path) -> tuple[str, str] | None:
         """Words and where they are from; None without any.
@@ -179,7 +222,8 @@ class _Transcripts:
             LipwrightError: the file cannot be read.
         """
         if self._lines:
-            return next((self._lines[stem] for stem in _stems(face) if stem in self._lines), None)
+            found = (self._lines.get(_folded(stem)) for stem in _stems(face))
+            return next(filter(None, found), None)
         file = self._files.get(face)
         return None if file is None else (_read(file), str(file))
 
@@ -193,9 +237,11 @@ class _Transcripts:
 
 def _read(path: Path) -> str:
     try:
-        if path.stat().st_size > MAX_TRANSCRIPTS:
+        with path.open("rb") as file:
+            text = file.read(MAX_TRANSCRIPTS + 1)
+        if len(text) > MAX_TRANSCRIPTS:
             raise LipwrightError(f"{path}: too long for a transcript; name a text file")
-        return path.read_bytes().decode("utf-8-sig")
+        return text.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise LipwrightError(f"{path}: line {line}: not UTF-8 text; save it as UTF-8") from error
@@ -208,15 +254,23 @@ def _source(face: Path, sounds: _Matches, texts: _Transcripts, tracks: _Matches)
     phones = tracks.get(face)
     try:
         audio = _sound(face, sounds)
+        _check_files(face, audio, phones)
         text, text_source = (None, "") if phones is not None else _words(face, texts)
     except LipwrightError as error:
-        return Source(name, face, problem=str(error))
+        problem = str(error)
+        return Source(name, face, problem=problem if name in problem else f"{face}: {problem}")
     return Source(name, face, audio, text, text_source, phones)
+
+
+def _check_files(*files: Path | None) -> None:
+    for file in files:
+        if file is not None and not _is_file(file):
+            raise LipwrightError(f"{file}: is a device or pipe; save it to a file")
 
 
 def _sound(face: Path, sounds: _Matches) -> Path | None:
     """The sound of a face; None where it is in the video."""
-    if not os.path.lexists(face):
+    if not _exists(face):
         raise LipwrightError(f"{face}: no such file; check the path")
     audio = sounds.get(face)
     if sounds.path is not None and audio is None:

@@ -282,7 +282,9 @@ def _finite(text: str) -> float:
 
 def to_json(value: Any) -> str:
     """`value` as the JSON files of a dataset are written: the same value, the same text."""
-    return json.dumps(value, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+    text = json.dumps(value, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+    # Names of files that are not UTF-8: a backslash and `u` is how JSON writes them too.
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def write_info(folder: Path, info: dict[str, Any]) -> None:
