@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lipwright.audio import Audio, write_flac
@@ -265,6 +265,7 @@ def test_triangles_turned_over_cover_nothing() -> None:
     assert (index == -1).all()
 
 
+@settings(deadline=None, max_examples=30)  # a busy machine takes its time
 @given(st.floats(-0.2, 0.2), st.floats(0.8, 1.3), st.floats(40, 60))
 def test_a_ramp_sampled_through_an_affine_warp_is_a_ramp(
     angle: float, size: float, left: float
@@ -530,6 +531,27 @@ def test_a_video_that_is_gone_or_has_changed_is_said_and_found_elsewhere(
         assert take.video == elsewhere
     finally:
         video.write_bytes(whole)
+
+
+def test_a_face_that_never_moves_is_refused(made: Dataset, tmp_path: Path) -> None:
+    from lipwright.capture.face_of_dataset import fit_dataset
+
+    path, entries = tmp_path / "still", []
+    moving = made.recording(NAMES[3])
+    motion = moving.motion
+    landmarks = np.array(motion.landmarks)
+    landmarks[:] = landmarks[np.nanargmax(aperture(landmarks[:, LANDMARKS]))]
+    still = Motion(FPS, motion.flags, motion.arkit, landmarks, motion.head_pose)
+    for name in ("one", "two"):
+        folder = path / RECORDINGS / name
+        folder.mkdir(parents=True)
+        save_motion(folder / "motion.npz", still)
+        write_rest(folder, moving.info["source"])
+        entries.append({"name": name, "status": "captured", "split": "train", "files": {}})
+    manifest = {**made.manifest, "recordings": entries}
+    with pytest.raises(LipwrightError, match=r"no reference face can be fitted: .* do not vary"):
+        fit_dataset(Dataset(path, manifest), tmp_path / "face.npz")
+    assert not (tmp_path / "face.npz").exists()
 
 
 def test_too_little_speech_is_refused(made: Dataset) -> None:

@@ -61,7 +61,12 @@ def _fit_dataset(
         raise LipwrightError(
             f"{dataset.path}: no recording has landmarks and a video; capture videos first"
         )
-    fit = fit_reference_face(takes, options, report)
+    try:
+        fit = fit_reference_face(takes, options, report)
+    except ValueError as error:
+        raise LipwrightError(
+            f"{dataset.path}: no reference face can be fitted: {error}; capture more speech"
+        ) from error
     face = replace(fit.face, info={**fit.face.info, **_origin(dataset)})
     save_reference_face(out, face)
     _save_parameters(dataset, replace(fit, face=face), takes, sha256_of(out), report)

@@ -11,6 +11,9 @@ import numpy.typing as npt
 from lipwright.errors import MissingExtraError
 
 Floats = npt.NDArray[np.float32]
+_STILL: Final = (
+    1e-4  # range of a column, below all that a face does in eye distances or grey levels
+)
 _EXACT: Final = 1000  # columns up to which all modes are found, not only the first
 
 
@@ -36,7 +39,7 @@ def find_modes(rows: npt.NDArray[Any], share: float, most: int) -> Modes:
     The same rows give the same modes.
 
     Args:
-        rows: (R, D).
+        rows: (R, D); many columns of float32 may be overwritten, to save memory.
         share: 0 to 1.
         most: modes at most, whatever the share.
 
@@ -50,12 +53,12 @@ def find_modes(rows: npt.NDArray[Any], share: float, most: int) -> Modes:
         raise MissingExtraError("scikit-learn, which finds the modes,", "capture") from error
     rows = np.asarray(rows)
     limit = min(most, len(rows) - 1, rows.shape[1])
-    if limit < 1 or not np.ptp(rows, axis=0).any():
-        raise ValueError("the rows do not vary")
+    if limit < 1 or not np.ptp(rows, axis=0).max() > _STILL:
+        raise ValueError("shapes or pixels do not vary")
     is_small = rows.shape[1] <= _EXACT
     solver = "covariance_eigh" if is_small else "randomized"
     fitted = PCA(limit, svd_solver=solver, random_state=0, copy=is_small).fit(
-        rows.astype(np.float64 if is_small else np.float32)
+        rows.astype(np.float64 if is_small else np.float32, copy=False)
     )
     shares = np.cumsum(fitted.explained_variance_ratio_)
     count = min(int(np.searchsorted(shares, share - 1e-9)) + 1, limit)

@@ -103,7 +103,9 @@ def sample_takes(
     values: dict[str, list[Bytes]] = {region: [] for region in REGIONS}
     for number, take in enumerate(takes):
         report(number / len(takes))
-        for frame, picture in take.pictures(wanted.get(take.name, ())):
+        if take.name not in wanted:
+            continue
+        for frame, picture in take.pictures(wanted[take.name]):
             found.append((take, frame))
             for region, pixels in sample_frame(picture, take, frame, grids).items():
                 values[region].append(pixels)

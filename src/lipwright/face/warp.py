@@ -156,11 +156,11 @@ class Grid:
     def sample(self, picture: Pixels, points: Points) -> Pixels:
         """The pixels (P, 3) of a face whose vertices are at `points` (34, 2) of `picture`."""
         places = self._weights @ np.asarray(points, np.float32) - np.float32(0.5)
-        cv2 = opencv()
+        cv2 = opencv()  # cubic: pixels pass through two warps, which blur less so
         # remap takes no more than 32,767 rows or columns; a few long rows do.
         rows = -(-len(places) // 1024)
         padded = np.resize(places, (rows * 1024, 2)).reshape(rows, 1024, 2)
-        found = cv2.remap(picture, padded, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        found = cv2.remap(picture, padded, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(found.reshape(-1, 3)[: len(places)])
 
     def picture(self, pixels: Points) -> npt.NDArray[np.float32]:
@@ -179,6 +179,6 @@ class Grid:
         places[covered] = np.einsum("pk,pkd->pd", weights[covered], corners) - np.float32(0.5)
         cv2 = opencv()
         drawn = cv2.remap(
-            self.picture(pixels), places, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            self.picture(pixels), places, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
         )
         canvas[covered] = drawn[covered]
