@@ -22,7 +22,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
         frozenset,
         (
             ("errors", "version"),
-            ("files", "phones", "controls"),
+            ("files", "npz", "phones", "controls"),
             ("wheels", "decode"),
             ("audio", "track", "clip"),
             ("formats", "language", "face"),

@@ -19,7 +19,7 @@ from lipwright.dataset.folder import (
     open_dataset,
     sha256_of,
 )
-from lipwright.dataset.recording import FACE_FILE, INFO_FILE, read_info
+from lipwright.dataset.recording import FACE_FILE, INFO_FILE, PHONES_FILE, read_info
 from lipwright.dataset.splits import split_dataset, split_options
 from lipwright.errors import LipwrightError
 from lipwright.version import VERSION as LIPWRIGHT
@@ -36,9 +36,16 @@ def assemble(path: Path, outcomes: Sequence[Outcome], options: CaptureOptions) -
     before = open_dataset(path) if (path / MANIFEST_FILE).is_file() else None
     known = {entry["name"]: entry for entry in before.entries} if before else {}
     entries = {name: entry for name, entry in known.items() if entry["status"] == FAILED}
+    named = {outcome.name for outcome in outcomes}
+    trackers = set()
     for folder in sorted((path / RECORDINGS).iterdir()):
         if folder.is_dir() and not folder.name.startswith("."):
-            entries[folder.name] = _entry(folder, known.get(folder.name, {}), options)
+            old = known.get(folder.name, {})
+            entry, tracker = _entry(folder, old, options)
+            if old and folder.name not in named:  # what an earlier run found stands
+                entry |= {"status": old["status"], "reasons": old.get("reasons", [])}
+            entries[folder.name] = entry
+            trackers.add(tracker)
     for entry in entries.values():
         if "split" in (old := known.get(entry["name"], {})):
             entry["split"] = old["split"]
@@ -54,6 +61,7 @@ def assemble(path: Path, outcomes: Sequence[Outcome], options: CaptureOptions) -
         "name": options.name or (before.manifest.get("name") if before else None) or path.name,
         "licence": options.licence or (before.manifest.get("licence", "") if before else ""),
         "options": options.shaping(),
+        "trackers": sorted(trackers - {""}),
         **({"split": before.manifest["split"]} if before and "split" in before.manifest else {}),
         "recordings": [entries[name] for name in sorted(entries)],
     }
@@ -66,20 +74,26 @@ def _failure(name: str, reason: str) -> dict[str, Any]:
     return {"name": name, "status": FAILED, "reasons": [reason], "files": {}}
 
 
-def _entry(folder: Path, before: Mapping[str, Any], options: CaptureOptions) -> dict[str, Any]:
-    """The manifest's entry of a captured recording."""
+def _entry(
+    folder: Path, before: Mapping[str, Any], options: CaptureOptions
+) -> tuple[dict[str, Any], str]:
+    """The manifest's entry of a captured recording, and what tracked it."""
     try:
         info = read_info(folder)
         files = {**info["files"], INFO_FILE: sha256_of(folder / INFO_FILE)}
+        reasons, tracker = list(info["reject"]), str(info["tracker"])
     except (LipwrightError, KeyError, TypeError) as error:
-        return _failure(folder.name, f"{folder}: {error}; capture it again")
-    face = before.get("files", {}).get(FACE_FILE)
-    if face is not None and (folder / FACE_FILE).is_file():
-        files[FACE_FILE] = face
-    rejected = options.reject and info["reject"]
-    return {
+        return _failure(folder.name, f"{folder}: {error}; capture it again"), ""
+    accepted = before.get("files", {})
+    face, phones = folder / FACE_FILE, folder / PHONES_FILE
+    if FACE_FILE in accepted and face.is_file():
+        files[FACE_FILE] = accepted[FACE_FILE]
+    if phones.is_file() and sha256_of(phones) == accepted.get(PHONES_FILE):
+        files[PHONES_FILE] = accepted[PHONES_FILE]  # by `dataset check --accept`
+    entry = {
         "name": folder.name,
-        "status": REJECTED if rejected else CAPTURED,
-        "reasons": info["reject"],
+        "status": REJECTED if options.reject and reasons else CAPTURED,
+        "reasons": reasons,
         "files": dict(sorted(files.items())),
     }
+    return entry, tracker

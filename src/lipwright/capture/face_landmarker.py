@@ -75,8 +75,8 @@ class FaceLandmarker:
             weakref.finalize(self, _close, self._landmarker)
             self.track_frame(np.zeros((64, 64, 3), np.uint8))  # what it has to say, it says now
 
-    @property
-    def version(self) -> str:
+    @staticmethod
+    def version() -> str:
         """Of the package, and the model's hash."""
         return f"{version('mediapipe')}, face_landmarker.task {MODEL_SHA256[:12]}"
 

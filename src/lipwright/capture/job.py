@@ -24,6 +24,7 @@ from lipwright.capture.offset import Offset, estimate_offset
 from lipwright.capture.quality import measure_quality
 from lipwright.capture.rejection import reject_reasons
 from lipwright.capture.sources import Source
+from lipwright.capture.tracker import TRACKERS
 from lipwright.dataset.folder import RECORDINGS, recording_files, sha256_of
 from lipwright.dataset.recording import (
     AUDIO_FILE,
@@ -37,7 +38,7 @@ from lipwright.dataset.recording import (
     write_info,
 )
 from lipwright.errors import LipwrightError
-from lipwright.face.head import load_head
+from lipwright.face.head import HEAD_FORMAT, load_head
 from lipwright.formats import read_track, write_track
 from lipwright.pipeline import ALIGNMENT_RATE, AlignOptions, align_sound
 from lipwright.speech import Alignment
@@ -138,7 +139,8 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
 
 
 def _failure(source: Source, message: str) -> Outcome:
-    if source.name not in message:
+    places = (source.face, source.audio, source.phones, source.text_source)
+    if not any(str(place) in message for place in places if place):
         message = f"{source.face}: {message}"
     return Outcome(source.name, error=" ".join(message.split()))
 
@@ -149,6 +151,9 @@ def _key(source: Source, options: CaptureOptions) -> str:
     for role, file in _files_of(source).items():
         inputs[role] = sha256_of(file)
     inputs |= options.shaping()
+    inputs["head"] = HEAD_FORMAT
+    if source.is_video:
+        inputs["tracker_version"] = TRACKERS[options.tracker].version()
     return hashlib.sha256(to_json(inputs).encode()).hexdigest()
 
 

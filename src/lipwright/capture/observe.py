@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +18,6 @@ from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
-    from lipwright.capture.tracker import FaceTracker
     from lipwright.capture.video import Video
 
 Floats = npt.NDArray[np.float32]
@@ -138,10 +136,15 @@ def observe_video(path: Path, tracker: str) -> Observation:
     from lipwright.capture.blinks import find_blinks
     from lipwright.capture.pose import remove_pose, to_picture
     from lipwright.capture.smooth import smooth
-    from lipwright.capture.tracker import check_faces, face_warnings, track_video
+    from lipwright.capture.tracker import (
+        check_faces,
+        face_warnings,
+        get_tracker,
+        track_video,
+    )
     from lipwright.capture.video import open_video
 
-    back_end = _tracker(tracker)
+    back_end = get_tracker(tracker)
     video = open_video(path)
     seen = track_video(video, back_end)
     check_faces(seen, path)
@@ -153,7 +156,7 @@ def observe_video(path: Path, tracker: str) -> Observation:
         flags=flags.astype(np.uint8),
         start=seen.start,
         warnings=tuple(f"{path}: {line}" for line in face_warnings(seen)),
-        tracker=f"{back_end.name} {back_end.version}",
+        tracker=f"{back_end.name} {back_end.version()}",
         landmarks=landmarks,
         landmarks_raw=raw,
         head_pose=head_pose,
@@ -161,18 +164,6 @@ def observe_video(path: Path, tracker: str) -> Observation:
         aperture_raw=aperture_of(seen.points).astype(np.float32),
         video=video,
     )
-
-
-@lru_cache(maxsize=1)
-def _tracker(name: str) -> FaceTracker:
-    """The back end of that name, loaded once a process.
-
-    Raises:
-        MissingExtraError: it is not installed.
-    """
-    from lipwright.capture.tracker import get_tracker
-
-    return get_tracker(name)
 
 
 def observe_arkit(path: Path, fps: float | None) -> Observation:
@@ -201,7 +192,9 @@ def with_own_sound(seen: Observation) -> Observation:
     return replace(seen, start=0.0)
 
 
-def contact_picture(seen: Observation, motion: Motion, track: PhoneTrack, lag: float) -> Any:
+def contact_picture(
+    seen: Observation, motion: Motion, track: PhoneTrack, lag: float
+) -> bytes | None:
     """The bytes of a contact sheet; None where there are no pictures.
 
     Raises:

@@ -34,7 +34,7 @@ from lipwright.capture.summary import (
     read_row,
     title_of,
 )
-from lipwright.dataset.folder import RECORDINGS, REPORT, Dataset
+from lipwright.dataset.folder import RECORDINGS, REPORT, Dataset, refuse_links
 from lipwright.dataset.recording import PICTURE_FILE, Recording
 from lipwright.errors import LipwrightError, MissingExtraError
 from lipwright.files import write_whole
@@ -99,7 +99,7 @@ def write_report(dataset: Dataset, report: Progress = lambda share: None) -> Pat
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{folder}: cannot be made: {error.strerror}") from error
-    with write_whole(folder / STYLE) as part:
+    with write_whole(refuse_links(dataset.path, folder / STYLE)) as part:
         part.write_text((TEMPLATES / STYLE).read_text("utf-8"), "utf-8")
     rows = _write_pages(dataset, folder, environment, report)
     _write(folder / INDEX, environment.get_template(INDEX).render(**overview(dataset, rows)))
@@ -127,7 +127,7 @@ def _write_pages(dataset: Dataset, folder: Path, environment: Any, report: Progr
 
 
 def _write(path: Path, text: str) -> None:
-    with write_whole(path) as part:
+    with write_whole(refuse_links(path.parent.parent, path)) as part:
         part.write_text(text, "utf-8", errors="replace", newline="\n")
 
 

@@ -39,8 +39,8 @@ class FaceTracker(Protocol):
     name: str
     """as in `TRACKERS`"""
 
-    @property
-    def version(self) -> str:
+    @staticmethod
+    def version() -> str:
         """Of the program and of its model, for the record."""
 
     @staticmethod

@@ -36,6 +36,20 @@ STATUSES: Final = (CAPTURED, REJECTED, FAILED)
 _BLOCK: Final = 1 << 20  # bytes read at a time
 
 
+def refuse_links(root: Path, path: Path) -> Path:
+    """`path` below `root`, where nothing on the way is a link, which could lead out of it.
+
+    Raises:
+        LipwrightError: something is.
+    """
+    for place in (path, *path.parents):
+        if place == root:
+            break
+        if place.is_symlink():
+            raise LipwrightError(f"{place}: is a link, and a dataset has none; replace it")
+    return path
+
+
 def sha256_of(path: Path) -> str:
     """The SHA-256 of a file's bytes, in hexadecimal.
 
@@ -114,7 +128,7 @@ class Dataset:
         """
         named: dict[str, Any] = {key: np.asarray(value) for key, value in arrays.items()}
         assert not any(array.dtype.hasobject for array in named.values())  # would be a pickle
-        with write_whole(self.folder(name) / FACE_FILE) as part:
+        with write_whole(refuse_links(self.path, self.folder(name) / FACE_FILE)) as part:
             np.savez_compressed(part, **named)
 
     def with_files(self, names: tuple[str, ...], file: str = FACE_FILE) -> Dataset:
@@ -138,7 +152,7 @@ class Dataset:
         Raises:
             LipwrightError: it cannot be written.
         """
-        with write_whole(self.path / MANIFEST_FILE) as part:
+        with write_whole(refuse_links(self.path, self.path / MANIFEST_FILE)) as part:
             part.write_text(to_json(self.manifest), "utf-8")
 
 
@@ -159,7 +173,9 @@ def open_dataset(path: str | os.PathLike[str]) -> Dataset:
     except OSError as error:
         raise LipwrightError(f"{source}: cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
-        raise LipwrightError(f"{source}: not JSON ({error}); capture again") from error
+        raise LipwrightError(
+            f"{source}: not JSON ({error}); restore it, or delete it and capture again"
+        ) from error
     _check_manifest(source, manifest)
     return Dataset(root, manifest)
 
@@ -174,7 +190,7 @@ def _check_manifest(source: Path, manifest: Any) -> None:
         )
     entries = manifest.get("recordings")
     if not isinstance(entries, list):
-        raise LipwrightError(f"{source}: has no list of recordings; capture again")
+        raise LipwrightError(f"{source}: has no list of recordings; delete it and capture again")
     seen: set[str] = set()
     for number, entry in enumerate(entries, 1):
         if not isinstance(entry, dict) or not is_safe_name(entry.get("name")):
@@ -187,6 +203,11 @@ def _check_manifest(source: Path, manifest: Any) -> None:
                 f"{source}: {entry['name']!r} has the status {entry.get('status')!r}, "
                 f"not one of: {', '.join(STATUSES)}"
             )
+        reasons, split = entry.get("reasons", []), entry.get("split", "")
+        if not isinstance(split, str | None) or not (
+            isinstance(reasons, list) and all(isinstance(reason, str) for reason in reasons)
+        ):
+            raise LipwrightError(f"{source}: {entry['name']!r} has no readable reasons or split")
         files = entry.get("files", {})
         if not isinstance(files, dict) or not all(is_safe_name(file) for file in files):
             raise LipwrightError(f"{source}: {entry['name']!r} names files out of its folder")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,7 +26,9 @@ def locked(path: Path) -> Iterator[None]:
         yield
         return
     try:
-        file = (path / LOCK_FILE).open("w")
+        # A dataset from elsewhere may have a link there, to a file that is not ours.
+        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
+        file = os.fdopen(os.open(path / LOCK_FILE, flags, 0o666), "r+")
     except OSError as error:
         raise LipwrightError(f"{path}: cannot be written: {error.strerror}") from error
     with file:

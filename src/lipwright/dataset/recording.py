@@ -5,9 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import struct
-import zipfile
-import zlib
 from dataclasses import dataclass
 from enum import IntFlag
 from pathlib import Path
@@ -20,6 +17,7 @@ from lipwright.controls import ARKIT
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.formats import read_track
+from lipwright.npz import BROKEN, reason_of
 from lipwright.track import PhoneTrack
 
 LANDMARKS: Final = 478  # points of the tracker's face mesh, irises included
@@ -33,12 +31,6 @@ FACE_FILE: Final = "face.npz"
 PICTURE_FILE: Final = "contact.jpg"
 
 REMEDY: Final = "capture it again"
-
-# What np.load and zipfile raise on damaged archives.
-_BROKEN: Final = (
-    OSError, ValueError, KeyError, IndexError, TypeError, EOFError, NotImplementedError,
-    AttributeError, struct.error, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
 
 Array = npt.NDArray[np.float32]
 
@@ -135,6 +127,7 @@ _TAILS: Final[dict[str, tuple[int, ...]]] = {
 }
 """array to its shape after T"""
 
+LONGEST_WHOLE: Final = 16  # digits and sign that a number as float holds too
 DECIMALS: Final = 5  # of eye distances and weights: a thousandth of a pixel in most videos
 
 
@@ -165,9 +158,10 @@ def load_motion(path: Path) -> Motion:
             return Motion(float(stored["fps"]), stored["flags"], **arrays)
     except FileNotFoundError as error:
         raise LipwrightError(f"{path}: no such file; {REMEDY}") from error
-    except _BROKEN as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise LipwrightError(f"{path}: not a readable motion ({reason}); {REMEDY}") from error
+    except BROKEN as error:
+        raise LipwrightError(
+            f"{path}: not a readable motion ({reason_of(error)}); {REMEDY}"
+        ) from error
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +208,7 @@ class Recording:
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 return {name: stored[name] for name in stored.files}
-        except _BROKEN as error:
+        except BROKEN as error:
             raise LipwrightError(f"{path}: not readable; run: lipwright face fit") from error
 
 
@@ -270,7 +264,7 @@ def from_json(text: str) -> Any:
         ValueError: it is not JSON.
         RecursionError: it is nested too deeply.
     """
-    return json.loads(text, parse_constant=_finite, parse_float=_finite)
+    return json.loads(text, parse_constant=_finite, parse_float=_finite, parse_int=_whole)
 
 
 def _finite(text: str) -> float:
@@ -278,6 +272,12 @@ def _finite(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text} is not a finite number")
     return value
+
+
+def _whole(text: str) -> int:
+    if len(text) > LONGEST_WHOLE:
+        raise ValueError(f"{text[:LONGEST_WHOLE]}... is too large a number")
+    return int(text)
 
 
 def to_json(value: Any) -> str:

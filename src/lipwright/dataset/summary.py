@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -22,6 +21,7 @@ from lipwright.dataset.recording import (
 )
 from lipwright.errors import LipwrightError
 from lipwright.formats import read_track
+from lipwright.npz import BROKEN
 from lipwright.phones import SILENCE
 
 RARE: Final = 8  # phones that are shown as the least frequent
@@ -136,8 +136,11 @@ def _peek(path: Path) -> tuple[float, Any, list[str]]:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             names = [name for name in stored.files if name not in ("fps", "flags")]
-            return float(stored["fps"]), stored["flags"], names
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+            fps, flags = float(stored["fps"]), stored["flags"]
+        if not 0 < fps < math.inf or flags.ndim != 1 or flags.dtype != np.uint8:
+            raise ValueError("no frame rate, or no flags")
+        return fps, flags, names  # noqa: TRY300  # what follows is for damaged files
+    except BROKEN as error:
         raise LipwrightError(
             f"{path}: not a readable motion; see: lipwright dataset check"
         ) from error
@@ -150,6 +153,6 @@ def _face_shapes(path: Path) -> list[str]:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except BROKEN as error:
         raise LipwrightError(f"{path}: not readable; run: lipwright face fit") from error
     return [f"face {name} {a.shape[1]}" for name, a in arrays.items() if a.ndim == 2]

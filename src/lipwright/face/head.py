@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import struct
-import zipfile
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
@@ -18,6 +15,7 @@ from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.face.materials import MATERIALS, Material, srgb_to_linear
 from lipwright.files import write_whole
+from lipwright.npz import BROKEN, reason_of
 from lipwright.wheels import data_home
 
 HEAD_FILE: Final = "head.npz"
@@ -229,13 +227,6 @@ def save_head(head: Head, path: Path) -> None:
         np.savez_compressed(part, format=HEAD_FORMAT, part_names=names, part_spans=spans, **arrays)
 
 
-# What np.load and zipfile raise on damaged archives.
-_BROKEN: Final = (
-    OSError, ValueError, KeyError, IndexError, TypeError, EOFError, NotImplementedError,
-    AttributeError, struct.error, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
-
-
 def load_head(path: Path | None = None) -> Head:
     """The installed head, or the one in `path`; the same file is read once.
 
@@ -247,9 +238,10 @@ def load_head(path: Path | None = None) -> Head:
         return _read_head(source, source.stat().st_mtime_ns)
     except FileNotFoundError as error:
         raise LipwrightError(f"the head is not installed; {REMEDY}") from error
-    except _BROKEN as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise LipwrightError(f"{source}: not a readable head ({reason}); {REMEDY}") from error
+    except BROKEN as error:
+        raise LipwrightError(
+            f"{source}: not a readable head ({reason_of(error)}); {REMEDY}"
+        ) from error
 
 
 @lru_cache(maxsize=1)

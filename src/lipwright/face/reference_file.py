@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import struct
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,13 +15,10 @@ from lipwright.face.reference import ReferenceFace
 from lipwright.face.vertices import LANDMARKS, REGIONS, TRIANGLES
 from lipwright.face.warp import Grid
 from lipwright.files import write_whole
+from lipwright.npz import BROKEN, reason_of
 
 FORMAT: Final = 1  # raise when the arrays of the file change
 REMEDY: Final = "make it with: lipwright face fit"
-_BROKEN: Final = (
-    OSError, ValueError, KeyError, IndexError, TypeError, EOFError, NotImplementedError,
-    AttributeError, OverflowError, struct.error, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
 _PLAIN: Final = (
     "mean_shape", "depth", "shape_modes", "shape_sd", "joint_mean", "joint_modes", "joint_sd",
 )  # fmt: skip
@@ -64,9 +58,10 @@ def load_reference_face(path: str | os.PathLike[str]) -> ReferenceFace:
         raise LipwrightError(f"{path}: no such file; {REMEDY}") from error
     except IsADirectoryError as error:
         raise LipwrightError(f"{path}: is a folder; name the .npz of a reference face") from error
-    except _BROKEN as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise LipwrightError(f"{path}: not a reference face ({reason[:160]}); {REMEDY}") from error
+    except BROKEN as error:
+        raise LipwrightError(
+            f"{path}: not a reference face ({reason_of(error)}); {REMEDY}"
+        ) from error
 
 
 def _read(path: str | os.PathLike[str], stored: Any) -> ReferenceFace:
