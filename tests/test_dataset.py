@@ -663,12 +663,6 @@ class TestPage:
         for name in (*arrays, *figures, *transforms, *summarise(faces), *SPLITS, *STATUSES):
             assert f"`{name}" in self.PAGE, name
 
-    def test_its_transforms_example_runs(self, faces: Dataset) -> None:
-        code = self.PAGE.split("```python\n")[3].split("```")[0]
-        place = {"recording": faces.recording("anna")}
-        exec(code, place)
-        assert len(place["sample"].names) == 18
-
     def test_its_numpy_example_runs(
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:

@@ -275,6 +275,8 @@ def _sound(face: Path, sounds: _Matches) -> Path | None:
     audio = sounds.get(face)
     if sounds.path is not None and audio is None:
         raise LipwrightError(f"{face}: {sounds.path} has no sound named {face.stem}; add it")
+    if audio is not None and audio.resolve() == face.resolve():
+        return None  # the video's own sound, whose start the video knows
     if audio is None and face.suffix.lower() in ARKIT_FILES:
         return _sound_beside(face)
     return audio

@@ -49,7 +49,7 @@ FAILED_STATUS = 2  # some recordings could not be captured; the others were
     help="Phone times to use instead of words: a file, or a folder of NAME.TextGrid.",
 )
 @click.option("-o", "--output", "out", type=Path, required=True, help="Folder of the dataset.")
-@click.option("--reject", is_flag=True, help="Leave out what the report advises to leave out.")
+@click.option("--reject", is_flag=True, help="Leave out what the report advises against.")
 @click.option("--licence", default="", help="Licence of the recordings, for the manifest.")
 @click.option("--name", default="", help="Name of the dataset; else that of its folder.")
 @click.option("--jobs", "-j", type=click.IntRange(1), help="Recordings at once.  [one a processor]")
