@@ -18,8 +18,16 @@ from typing import Any, Final
 
 from lipwright.capture.filling import sweep
 from lipwright.capture.job import CaptureOptions, Outcome, capture_recording, prepare
+from lipwright.capture.report import STYLE
 from lipwright.capture.sources import Source
-from lipwright.dataset.folder import MANIFEST_FILE, RECORDINGS, Dataset, open_dataset
+from lipwright.dataset.folder import (
+    MANIFEST_FILE,
+    RECORDINGS,
+    REPORT,
+    Dataset,
+    open_dataset,
+    refuse_links,
+)
 from lipwright.dataset.lock import LOCK_FILE, locked
 from lipwright.dataset.recording import INFO_FILE
 from lipwright.errors import LipwrightError
@@ -73,7 +81,7 @@ def capture(
 
     _make_folder(path)
     with locked(path):
-        sweep(path / RECORDINGS)
+        sweep(refuse_links(path, path / RECORDINGS))
         prepare(sources, options)
         outcomes: dict[str, Outcome] = {}
         report("capture", 0.0)
@@ -101,10 +109,13 @@ def _make_folder(path: Path) -> None:
 
 
 def _strangers(path: Path) -> list[str]:
-    """What a first run into this folder that was stopped cannot have left there."""
+    """What no capture can have left there, were it stopped, or its manifest deleted."""
     if not path.is_dir():
         return []
-    found = [file.name for file in path.iterdir() if file.name not in (RECORDINGS, LOCK_FILE)]
+    ours = {RECORDINGS, LOCK_FILE}
+    if (path / REPORT / STYLE).is_file():
+        ours.add(REPORT)
+    found = [file.name for file in path.iterdir() if file.name not in ours]
     recordings = path / RECORDINGS
     if recordings.is_dir():
         found += [
