@@ -72,7 +72,7 @@ def write_clip_picture(path: Path, fit: FaceFit, take: Take) -> None:
     axes.plot(times, aperture(take.shapes), color="#888888", linewidth=3, label="tracked")
     axes.plot(times, aperture(fit.face.to_shape(y)), color="#c0392b", linewidth=1, label="model")
     axes.set_xlabel("s")
-    axes.set_ylabel("aperture, eye distances")
+    axes.set_ylabel("aperture")
     axes.legend(loc="upper right", fontsize=8)
     for column, frame in enumerate(chosen):
         axes.axvline(times[frame], color="#dddddd", linewidth=0.8, zorder=0)
