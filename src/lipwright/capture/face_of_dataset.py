@@ -10,7 +10,7 @@ import numpy as np
 
 from lipwright.capture.fit_face import FaceFit, FitOptions, fit_reference_face
 from lipwright.capture.takes import Take, make_take
-from lipwright.dataset.folder import Dataset, sha256_of
+from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
 from lipwright.dataset.lock import locked
 from lipwright.errors import LipwrightError
 from lipwright.face.reference import ReferenceFace
@@ -38,7 +38,7 @@ def fit_dataset(
     """Fit a reference face, write it to `out`, and face.npz beside each recording.
 
     Args:
-        dataset: of captured videos.
+        dataset: of captured videos; its manifest is read again, as it may have changed.
         out: where the model is written.
         options: of the fit.
         videos: folder of the videos, where they are not at the places that the recordings name.
@@ -50,7 +50,7 @@ def fit_dataset(
     """
     report = report or (lambda stage, share: None)
     with locked(dataset.path):
-        return _fit_dataset(dataset, out, options, videos, report)
+        return _fit_dataset(open_dataset(dataset.path), out, options, videos, report)
 
 
 def _fit_dataset(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 if TYPE_CHECKING:
     from av import VideoFrame
+    from av.video.reformatter import VideoReformatter
 
 Picture = npt.NDArray[np.uint8]
 """(height, width, 3), RGB, upright, square pixels"""
@@ -19,10 +21,18 @@ def upright(frame: VideoFrame, size: tuple[int, int]) -> Picture:
     """The picture of a frame, `size` (width, height) when upright."""
     turns, mirrored = orientation(frame)
     width, height = size[::-1] if turns % 2 else size
-    square = frame.reformat(width=width, height=height, format="rgb24")
+    square = _reformatter().reformat(frame, width, height, "rgb24")
     picture = np.asarray(square.to_ndarray(), np.uint8)
     picture = np.rot90(picture[:, ::-1] if mirrored else picture, turns)
     return np.ascontiguousarray(picture)
+
+
+@cache
+def _reformatter() -> VideoReformatter:
+    """One for all frames: a frame's own would be made anew for each, in 13 times the time."""
+    from av.video.reformatter import VideoReformatter
+
+    return VideoReformatter()
 
 
 def upright_size(frame: VideoFrame, aspect: Fraction | None) -> tuple[int, int]:
