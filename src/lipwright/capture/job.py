@@ -48,6 +48,7 @@ from lipwright.version import VERSION
 LAYOUT: Final = 1  # raise when what is captured of the same files changes
 MAX_SOUND_RATE: Final = 48000  # Hz, of the sound that is kept
 LEAST_OVERLAP: Final = 0.5  # of the longer of picture and sound, in the shorter
+MOST_APART: Final = 1.0  # s between the ends of picture and sound that nobody is told of
 LEAST_ROOM: Final = 16 << 20  # bytes that must be free before a recording is tracked
 
 
@@ -125,6 +126,8 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
             fresh = False
     except LipwrightError as error:
         return _failure(source, str(error))
+    except ImportError:  # the installation's fault, and no recording's
+        raise
     except Exception as error:  # the other recordings go on
         if os.environ.get("LIPWRIGHT_DEBUG"):
             raise
@@ -239,7 +242,7 @@ def _observe(
             seen = observe_arkit(source.face, options.fps)
         if source.audio is not None:
             seen = with_own_sound(seen)
-        _check_lengths(source, seen, sound.duration)
+        seen = _check_lengths(source, seen, sound.duration)
     if edited is not None:
         kept = f"{source.name}: the edited {PHONES_FILE} is kept; delete it to align again"
         seen = replace(seen, warnings=(*seen.warnings, kept))
@@ -286,13 +289,15 @@ def _check_room(place: Path) -> None:
         raise LipwrightError(f"{place.parent}: no space left on the disk; make room and run again")
 
 
-def _check_lengths(source: Source, seen: Observation, sound: float) -> None:
+def _check_lengths(source: Source, seen: Observation, sound: float) -> Observation:
+    """Refuse what is not of one recording, and warn where much of one is without the other."""
     picture = seen.start + seen.duration
+    lengths = f"{source.face}: the picture lasts {picture:.1f} s and the sound {sound:.1f} s"
     if min(picture, sound) < LEAST_OVERLAP * max(picture, sound):
-        raise LipwrightError(
-            f"{source.face}: the picture lasts {picture:.1f} s and the sound {sound:.1f} s; "
-            "they are not of one recording"
-        )
+        raise LipwrightError(f"{lengths}; they are not of one recording")
+    if abs(picture - sound) <= MOST_APART:
+        return seen
+    return replace(seen, warnings=(*seen.warnings, f"{lengths}; cut them alike"))
 
 
 def _offset(seen: Observation, track: PhoneTrack) -> Offset:
