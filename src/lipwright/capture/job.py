@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import shutil
 from collections.abc import Iterator, Sequence
@@ -23,29 +22,25 @@ from lipwright.capture.observe import (
 from lipwright.capture.offset import Offset, estimate_offset
 from lipwright.capture.quality import measure_quality
 from lipwright.capture.rejection import reject_reasons
+from lipwright.capture.resume import edited_phones, files_of, finished, key_of
 from lipwright.capture.sources import Source
-from lipwright.capture.tracker import TRACKERS
 from lipwright.dataset.folder import RECORDINGS, recording_files, sha256_of
 from lipwright.dataset.recording import (
     AUDIO_FILE,
-    INFO_FILE,
     MOTION_FILE,
     PHONES_FILE,
     PICTURE_FILE,
-    read_info,
     save_motion,
-    to_json,
     write_info,
 )
 from lipwright.errors import LipwrightError
-from lipwright.face.head import HEAD_FORMAT, load_head
+from lipwright.face.head import load_head
 from lipwright.formats import read_track, write_track
 from lipwright.pipeline import ALIGNMENT_RATE, AlignOptions, align_sound
 from lipwright.speech import Alignment
 from lipwright.track import PhoneTrack
 from lipwright.version import VERSION
 
-LAYOUT: Final = 1  # raise when what is captured of the same files changes
 MAX_SOUND_RATE: Final = 48000  # Hz, of the sound that is kept
 LEAST_OVERLAP: Final = 0.5  # of the longer of picture and sound, in the shorter
 MOST_APART: Final = 1.0  # s between the ends of picture and sound that nobody is told of
@@ -118,8 +113,8 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
     """
     folder = path / RECORDINGS / source.name
     try:
-        key = _key(source, options)
-        if (info := _finished(folder, key)) is None:
+        key = key_of(source, options)
+        if (info := finished(folder, key)) is None:
             info = _capture(source, folder, options, key)
             fresh = True
         else:
@@ -146,49 +141,6 @@ def _failure(source: Source, message: str) -> Outcome:
     if not any(str(place) in message for place in places if place):
         message = f"{source.face}: {message}"
     return Outcome(source.name, error=" ".join(message.split()))
-
-
-def _key(source: Source, options: CaptureOptions) -> str:
-    """What the captured files depend on, as a hash."""
-    inputs: dict[str, Any] = {"layout": LAYOUT, "lipwright": VERSION, "text": source.text}
-    for role, file in _files_of(source).items():
-        inputs[role] = sha256_of(file)
-    inputs |= options.shaping()
-    inputs["head"] = HEAD_FORMAT
-    if source.is_video:
-        inputs["tracker_version"] = TRACKERS[options.tracker].version()
-    return hashlib.sha256(to_json(inputs).encode()).hexdigest()
-
-
-def _files_of(source: Source) -> dict[str, Path]:
-    roles = {
-        "video" if source.is_video else "arkit": source.face,
-        "audio": source.audio, "phones": source.phones,
-    }  # fmt: skip
-    return {role: file for role, file in roles.items() if file is not None}
-
-
-def _finished(folder: Path, key: str) -> dict[str, Any] | None:
-    """The recording.json of a folder that holds all that this capture would give.
-
-    Raises:
-        LipwrightError: its corrected phones cannot be read.
-    """
-    if not (folder / INFO_FILE).is_file():
-        return None
-    try:
-        info = read_info(folder)
-    except LipwrightError:
-        return None
-    files = info.get("files")
-    if info.get("key") != key or not isinstance(files, dict):
-        return None
-    whole = all((folder / file).is_file() for file in files) and all(
-        sha256_of(folder / file) == digest for file, digest in files.items() if file != PHONES_FILE
-    )
-    if whole:
-        edited_phones(folder)  # refuses those that cannot be read
-    return info if whole else None
 
 
 def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) -> dict[str, Any]:
@@ -249,31 +201,6 @@ def _observe(
     return seen, alignment
 
 
-def edited_phones(folder: Path) -> PhoneTrack | None:
-    """The phones of an earlier capture that somebody has corrected since; None without any.
-
-    Where nothing tells whether they were corrected, they are taken for it.
-
-    Raises:
-        LipwrightError: they cannot be read.
-    """
-    path = folder / PHONES_FILE
-    if not path.is_file():
-        return None
-    try:
-        info = read_info(folder)
-    except LipwrightError:
-        info = {}
-    files = info.get("files")
-    known = files.get(PHONES_FILE) if isinstance(files, dict) else None
-    if known == sha256_of(path) and info.get("edited_phones") is not True:
-        return None
-    try:
-        return read_track(path)
-    except LipwrightError as error:
-        raise LipwrightError(f"{error}; or delete the file to align again") from error
-
-
 def _save_sound(path: Path, source: Path) -> None:
     with open_audio(source) as sound:
         if sound.rate <= MAX_SOUND_RATE:
@@ -311,7 +238,7 @@ def _origin(source: Source, options: CaptureOptions, key: str, seen: Observation
     """Where the recording comes from and how it was captured."""
     files = {
         role: {"path": str(file.resolve()), "sha256": sha256_of(file)}
-        for role, file in _files_of(source).items()
+        for role, file in files_of(source).items()
     }
     return {
         "name": source.name, "key": key, "lipwright": VERSION, "source": files,
