@@ -4,7 +4,7 @@
 
 Fits to the train split, writes nothing into the dataset, and prints modes, round-trip errors and
 what the joint modes keep of the lips' aperture on the test split. `--pictures` draws the pictures
-of docs/reference-face.md.
+of docs/reference-face.md, `--strip` frames of the first recording with the model laid over.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ import numpy as np
 from lipwright.capture.face_of_dataset import load_takes
 from lipwright.capture.face_pictures import draw_face, write_modes, write_vertices
 from lipwright.capture.fit_face import FaceFit, fit_reference_face
+from lipwright.capture.overlay import overlay_pictures
 from lipwright.capture.takes import Take
 from lipwright.dataset.folder import open_dataset
 from lipwright.evaluate.lips import CLOSED
+from lipwright.face.png import write_png
 from lipwright.face.vertices import aperture
 
-SHOWN = 10  # frames of the strip
+SHOWN = 10  # frames below the curves
+STRIP = 6  # frames with the model laid over
 
 
 def quiet(stage: str, share: float) -> None:
@@ -83,11 +86,26 @@ def write_clip_picture(path: Path, fit: FaceFit, take: Take) -> None:
     figure.savefig(path, dpi=100, metadata={"Software": None})
 
 
+def write_strip(path: Path, fit: FaceFit, take: Take) -> None:
+    """Frames of a recording, and below them the same with the model laid over."""
+    light = fit.lights[take.name]
+    pictures = list(overlay_pictures(fit.face, take, fit.parameters[take.name], light))
+    height, width = pictures[0].shape[0], pictures[0].shape[1] // 2
+    left, right = int(0.22 * width), int(0.78 * width)
+    chosen = np.linspace(0.2 * len(pictures), 0.75 * len(pictures), STRIP).astype(int)
+    tops = [pictures[frame][: int(0.8 * height), left:right] for frame in chosen]
+    belows = [pictures[frame][: int(0.8 * height), width + left : width + right]
+              for frame in chosen]  # fmt: skip
+    strip = np.vstack([np.hstack(tops), np.hstack(belows)])
+    write_png(path, np.ascontiguousarray(strip[::2, ::2]))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dataset", type=Path)
     parser.add_argument("--videos", type=Path)
     parser.add_argument("--pictures", type=Path)
+    parser.add_argument("--strip", type=Path)
     options = parser.parse_args()
     takes, skipped = load_takes(open_dataset(options.dataset), options.videos, quiet)
     start = time.perf_counter()
@@ -96,6 +114,10 @@ def main() -> None:
     test = [take for take in takes if take.split == "test"]
     print_modes(fit)
     print_errors(fit)
+    if options.strip:
+        write_strip(options.strip, fit, takes[0])
+    if not test:
+        return
     print_lips(fit, test)
     if options.pictures:
         write_modes(options.pictures / "reference-modes.png", fit.face)

@@ -111,15 +111,3 @@ def write_vertices(path: Path, face: ReferenceFace) -> None:
                       ha="center", va="center", fontsize=8, color=colour)  # fmt: skip
     axes.set_axis_off()
     _save(figure, path)
-
-
-def write_strip(path: Path, face: ReferenceFace, parameters: FaceParameters) -> None:
-    """A row of faces, one for each of the frames.
-
-    Raises:
-        LipwrightError: the file cannot be written.
-    """
-    from lipwright.face.png import write_png
-
-    faces = [draw_face(face, parameters[index]) for index in range(len(parameters.shape))]
-    write_png(path, np.hstack(faces))
