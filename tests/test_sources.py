@@ -81,7 +81,7 @@ def test_phone_tracks_need_no_words(tmp_path: Path) -> None:
     assert a.text is None
     assert a.problem is None
     assert b.problem is not None
-    assert "give them with --transcripts, or its phones with --phones" in b.problem
+    assert b.problem == f"{videos / 'b.mp4'}: {phones} has no b.TextGrid; add it"
 
 
 def test_two_recordings_of_one_name_are_refused_at_once(tmp_path: Path) -> None:

@@ -121,6 +121,9 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
             fresh = False
     except LipwrightError as error:
         return _failure(source, str(error))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        return _failure(source, f"{error.filename or folder}: {reason}; check the disk")
     except ImportError:  # the installation's fault, and no recording's
         raise
     except Exception as error:  # the other recordings go on

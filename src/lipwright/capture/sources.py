@@ -255,10 +255,12 @@ def _source(face: Path, sounds: _Matches, texts: _Transcripts, tracks: _Matches)
     try:
         audio = _sound(face, sounds)
         _check_files(face, audio, phones)
-        text, text_source = (None, "") if phones is not None else _words(face, texts)
+        text, text_source = (None, "") if phones is not None else _words(face, texts, tracks)
     except LipwrightError as error:
         problem = str(error)
-        return Source(name, face, problem=problem if name in problem else f"{face}: {problem}")
+        return Source(
+            name, face, problem=problem if f"{name}." in problem else f"{face}: {problem}"
+        )
     return Source(name, face, audio, text, text_source, phones)
 
 
@@ -282,8 +284,10 @@ def _sound(face: Path, sounds: _Matches) -> Path | None:
     return audio
 
 
-def _words(face: Path, texts: _Transcripts) -> tuple[str, str]:
+def _words(face: Path, texts: _Transcripts, tracks: _Matches) -> tuple[str, str]:
     found = texts.get(face)
+    if texts.path is None and tracks.path is not None:
+        raise LipwrightError(f"{face}: {tracks.path} has no {face.stem}.TextGrid; add it")
     if found is None:
         raise LipwrightError(f"{face}: {texts.missing(face.stem)}")
     return found
