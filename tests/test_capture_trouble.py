@@ -172,6 +172,17 @@ def test_a_kill_at_any_step_of_a_replacement_loses_nothing(
     assert (places[""] / "notes.txt").read_text() == "notes"
 
 
+def test_a_link_in_the_place_of_a_recording_goes_and_what_it_names_stays(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("years of work")
+    (tmp_path / "a").symlink_to("mine")
+    with filled(tmp_path / "a") as part:
+        (part / "motion.npz").write_text("new")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "mine"]
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["motion.npz"]
+    assert (tmp_path / "mine" / "notes.txt").read_text() == "years of work"
+
+
 def test_a_replacement_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
     folder = tmp_path / "a"
     folder.mkdir()

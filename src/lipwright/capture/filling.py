@@ -75,6 +75,8 @@ def sweep(recordings: Path) -> None:
 
 def _discard(old: Path, folder: Path) -> None:
     """Remove the files of an earlier capture; others go to `folder`, where they were."""
+    if old.is_symlink():
+        old.unlink()
     if not old.is_dir():
         return
     for path in sorted(old.iterdir()):
