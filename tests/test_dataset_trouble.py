@@ -102,3 +102,24 @@ def test_captured_weights_of_our_own_head_follow_the_motion_that_drew_it(speaker
         jaw = recording.motion.arkit[:, 17]
         assert np.corrcoef(played, jaw)[0, 1] > 0.9
         assert recording.info["quality"]["tracked"] == 1
+
+
+def test_corrected_phones_change_what_follows_from_them_and_stay_to_the_byte(
+    workplace: Path,
+) -> None:
+    folder = workplace / "anna" / "recordings" / "anna1"
+    path = folder / "phones.TextGrid"
+    track = read_track(path)
+    edges = track.edges.copy()
+    edges[1:-1] += 0.05
+    write_track(path, track.with_edges(edges), ".short.textgrid")
+    edited = path.read_bytes()
+    before = json.loads((folder / "recording.json").read_text())
+    assert capture(workplace) == 0
+    after = json.loads((folder / "recording.json").read_text())
+    assert path.read_bytes() == edited
+    assert after["edited_phones"] is True
+    assert after["offset"]["seconds"] == pytest.approx(before["offset"]["seconds"] - 0.05, abs=0.02)
+    times = {file: file.stat().st_mtime_ns for file in folder.iterdir()}
+    assert capture(workplace) == 0
+    assert {file: file.stat().st_mtime_ns for file in folder.iterdir()} == times

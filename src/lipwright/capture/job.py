@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -33,7 +34,7 @@ from lipwright.dataset.recording import (
     save_motion,
     write_info,
 )
-from lipwright.errors import LipwrightError
+from lipwright.errors import LipwrightError, MissingExtraError
 from lipwright.face.head import load_head
 from lipwright.formats import read_track, write_track
 from lipwright.pipeline import ALIGNMENT_RATE, AlignOptions, align_sound
@@ -93,7 +94,8 @@ def prepare(sources: Sequence[Source], options: CaptureOptions) -> None:
     """Find out now, rather than in every recording, what all of them lack.
 
     Raises:
-        LipwrightError: the tracker, the head, the language or the dictionary is missing.
+        MissingExtraError: the extra `capture` is not installed.
+        LipwrightError: the head, the tracker's model, the language or the dictionary is missing.
     """
     from lipwright.capture.tracker import get_tracker
     from lipwright.language import get_language, read_dictionary
@@ -102,6 +104,9 @@ def prepare(sources: Sequence[Source], options: CaptureOptions) -> None:
     get_language(options.language)
     if options.dictionary is not None:
         read_dictionary(options.dictionary)
+    for package in ("jinja2", "PIL", "cv2"):
+        if find_spec(package) is None:
+            raise MissingExtraError("the quality report", "capture")
     if any(source.is_video and source.problem is None for source in sources):
         get_tracker(options.tracker)
 
@@ -169,7 +174,10 @@ def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) ->
         info["edited_phones"] = True
     with filled(folder) as part:
         save_motion(part / MOTION_FILE, motion)
-        write_track(part / PHONES_FILE, track)
+        if edited is None:
+            write_track(part / PHONES_FILE, track)
+        else:
+            shutil.copyfile(folder / PHONES_FILE, part / PHONES_FILE)
         _save_sound(part / AUDIO_FILE, source.audio or source.face)
         if picture := contact_picture(seen, motion, track, lag):
             (part / PICTURE_FILE).write_bytes(picture)

@@ -46,8 +46,7 @@ def files_of(source: Source) -> dict[str, Path]:
 def finished(folder: Path, key: str) -> dict[str, Any] | None:
     """The recording.json of a folder that holds all that this capture would give.
 
-    Raises:
-        LipwrightError: its corrected phones cannot be read.
+    Phones that were corrected since are not what it would give: all that follows from them.
     """
     if not (folder / INFO_FILE).is_file():
         return None
@@ -59,10 +58,8 @@ def finished(folder: Path, key: str) -> dict[str, Any] | None:
     if info.get("key") != key or not isinstance(files, dict):
         return None
     whole = all((folder / file).is_file() for file in files) and all(
-        sha256_of(folder / file) == digest for file, digest in files.items() if file != PHONES_FILE
+        sha256_of(folder / file) == digest for file, digest in files.items()
     )
-    if whole:
-        edited_phones(folder)  # refuses those that cannot be read
     return info if whole else None
 
 
