@@ -25,6 +25,7 @@ from lipwright.capture.quality import measure_quality
 from lipwright.capture.rejection import reject_reasons
 from lipwright.capture.resume import edited_phones, files_of, finished, key_of
 from lipwright.capture.sources import Source
+from lipwright.capture.tracker import Progress
 from lipwright.dataset.folder import RECORDINGS, recording_files, sha256_of
 from lipwright.dataset.recording import (
     AUDIO_FILE,
@@ -111,7 +112,9 @@ def prepare(sources: Sequence[Source], options: CaptureOptions) -> None:
         get_tracker(options.tracker)
 
 
-def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Outcome:
+def capture_recording(
+    source: Source, path: Path, options: CaptureOptions, progress: Progress = lambda share: None
+) -> Outcome:
     """Capture one source into the dataset at `path`; what goes wrong is in the outcome.
 
     A recording that was captured from the same files in the same way is left as it is.
@@ -120,7 +123,7 @@ def capture_recording(source: Source, path: Path, options: CaptureOptions) -> Ou
     try:
         key = key_of(source, options)
         if (info := finished(folder, key)) is None:
-            info = _capture(source, folder, options, key)
+            info = _capture(source, folder, options, key, progress)
             fresh = True
         else:
             fresh = False
@@ -151,10 +154,12 @@ def _failure(source: Source, message: str) -> Outcome:
     return Outcome(source.name, error=" ".join(message.split()))
 
 
-def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) -> dict[str, Any]:
+def _capture(
+    source: Source, folder: Path, options: CaptureOptions, key: str, progress: Progress
+) -> dict[str, Any]:
     _check_room(folder.parent)
     edited = edited_phones(folder)
-    seen, alignment = _observe(source, edited, options)
+    seen, alignment = _observe(source, edited, options, progress)
     track = alignment.track
     offset = _offset(seen, track)
     lag = (offset.seconds if offset.trusted else 0.0) - seen.start
@@ -187,7 +192,7 @@ def _capture(source: Source, folder: Path, options: CaptureOptions, key: str) ->
 
 
 def _observe(
-    source: Source, edited: PhoneTrack | None, options: CaptureOptions
+    source: Source, edited: PhoneTrack | None, options: CaptureOptions, progress: Progress
 ) -> tuple[Observation, Alignment]:
     """What is seen, and what is said when; the cheap questions come first."""
     with open_audio(source.audio or source.face, ALIGNMENT_RATE) as sound:
@@ -200,7 +205,7 @@ def _observe(
             words = AlignOptions(options.language, options.dictionary)
             alignment = align_sound(sound, source.text, words, source.text_source)
         if source.is_video:
-            seen = observe_video(source.face, options.tracker)
+            seen = observe_video(source.face, options.tracker, progress)
         else:
             seen = observe_arkit(source.face, options.fps)
         if source.audio is not None:

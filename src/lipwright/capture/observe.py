@@ -18,6 +18,7 @@ from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
+    from lipwright.capture.tracker import Progress
     from lipwright.capture.video import Video
 
 Floats = npt.NDArray[np.float32]
@@ -126,8 +127,13 @@ def head_aperture(arkit: Floats | None) -> Floats | None:
     return np.asarray(load_head().aperture_curve(weights), np.float32)
 
 
-def observe_video(path: Path, tracker: str) -> Observation:
+def observe_video(path: Path, tracker: str, progress: Progress = lambda share: None) -> Observation:
     """The face of a video.
+
+    Args:
+        path: the video.
+        tracker: the back end's name.
+        progress: told which share of the video is tracked.
 
     Raises:
         MissingExtraError: the extra `capture` is not installed.
@@ -146,7 +152,7 @@ def observe_video(path: Path, tracker: str) -> Observation:
 
     back_end = get_tracker(tracker)
     video = open_video(path)
-    seen = track_video(video, back_end)
+    seen = track_video(video, back_end, progress)
     check_faces(seen, path)
     raw, head_pose = remove_pose(seen.points, seen.fps)
     landmarks = smooth(raw, seen.fps)

@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 import os
-import signal
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.connection import wait as wait_for
-from multiprocessing.process import parent_process
 from pathlib import Path
-from typing import Any, Final
 
 from lipwright.capture.filling import sweep
-from lipwright.capture.job import CaptureOptions, Outcome, capture_recording, prepare
+from lipwright.capture.job import CaptureOptions, Outcome, prepare
+from lipwright.capture.pool import all_outcomes
 from lipwright.capture.report import STYLE
 from lipwright.capture.sources import Source
 from lipwright.dataset.folder import (
@@ -34,8 +26,6 @@ from lipwright.errors import LipwrightError
 
 Report = Callable[[str, float], None]
 Tell = Callable[[Outcome], None]
-
-WAITING: Final = 4  # recordings handed out a worker ahead of time
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +74,12 @@ def capture(
         sweep(refuse_links(path, path / RECORDINGS))
         prepare(sources, options)
         outcomes: dict[str, Outcome] = {}
-        report("capture", 0.0)
-        for outcome in _all_outcomes(sources, path, options, jobs or os.cpu_count() or 1):
+
+        def tick(in_hand: float) -> None:
+            report("capture", min((len(outcomes) + in_hand) / len(sources), 1.0))
+
+        tick(0.0)
+        for outcome in all_outcomes(sources, path, options, jobs or os.cpu_count() or 1, tick):
             outcomes[outcome.name] = outcome
             report("capture", len(outcomes) / len(sources))
             tell(outcome)
@@ -115,7 +109,11 @@ def _strangers(path: Path) -> list[str]:
     ours = {RECORDINGS, LOCK_FILE}
     if (path / REPORT / STYLE).is_file():
         ours.add(REPORT)
-    found = [file.name for file in path.iterdir() if file.name not in ours]
+    found = [
+        file.name
+        for file in path.iterdir()
+        if file.name not in ours and not file.name.startswith(".")
+    ]
     recordings = path / RECORDINGS
     if recordings.is_dir():
         found += [
@@ -124,86 +122,3 @@ def _strangers(path: Path) -> list[str]:
             if folder.name[0] != "." and not (folder / INFO_FILE).is_file()
         ]
     return sorted(found)
-
-
-def _all_outcomes(
-    sources: Sequence[Source], path: Path, options: CaptureOptions, jobs: int
-) -> Iterator[Outcome]:
-    """Each source's outcome as it comes; a source that brings its process down fails alone."""
-    ready = []
-    for source in sources:
-        if source.problem is None:
-            ready.append(source)
-        else:
-            yield Outcome(source.name, error=source.problem)
-    jobs = min(jobs, len(ready))
-    suspects: list[Source] = []
-    while ready:
-        suspects = []
-        for source, outcome in _pooled(ready, path, options, jobs):
-            if outcome is None:
-                suspects.append(source)
-            else:
-                ready.remove(source)
-                yield outcome
-        if not suspects:
-            break
-        for source in suspects:  # one of them did it; each gets a process of its own
-            ready.remove(source)
-            [(_, outcome)] = _pooled([source], path, options, 1)
-            yield outcome or Outcome(
-                source.name,
-                error=f"{source.face}: the tracker's process died of it; convert the video",
-            )
-
-
-def _pooled(
-    sources: Sequence[Source], path: Path, options: CaptureOptions, jobs: int
-) -> Iterator[tuple[Source, Outcome | None]]:
-    """Outcomes as they come; after a crash None for each source that was in hand, then the end."""
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_start_worker)
-    waiting = list(reversed(sources))
-    running: dict[Future[Outcome], Source] = {}
-    try:
-        while waiting or running:
-            while waiting and len(running) < jobs + (WAITING if jobs > 1 else 0):
-                source = waiting.pop()
-                running[pool.submit(capture_recording, source, path, options)] = source
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                try:
-                    outcome = future.result()
-                except BrokenProcessPool:
-                    yield from ((source, None) for source in running.values())
-                    return
-                yield running.pop(future), outcome
-    except BrokenProcessPool:  # on handing out
-        yield from ((source, None) for source in running.values())
-    finally:
-        _stop(pool)
-
-
-def _stop(pool: ProcessPoolExecutor) -> None:
-    """End the workers now; what they have in hand is lost and swept by the next run."""
-    processes: dict[int, Any] = dict(getattr(pool, "_processes", None) or {})
-    pool.shutdown(wait=False, cancel_futures=True)
-    for process in processes.values():
-        with suppress(OSError, ValueError):
-            process.terminate()
-    for process in processes.values():
-        with suppress(OSError, ValueError, AssertionError):
-            process.join(5)
-
-
-def _start_worker() -> None:
-    """A worker leaves interrupts to its parent, and ends with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait_for([sentinel])
-    os._exit(1)
