@@ -62,12 +62,12 @@ def print_lips(fit: FaceFit, takes: list[Take]) -> None:
           f"shut frames that stay shut: {kept / max(real, 1):.2%} of {real}")  # fmt: skip
 
 
-def write_clip_picture(path: Path, fit: FaceFit, take: Take) -> None:
+def write_clip_picture(path: Path, fit: FaceFit, take: Take, fps: float) -> None:
     """Tracked and modelled aperture of a recording, and below it the model's faces."""
     from matplotlib.figure import Figure
 
     y = fit.face.join(fit.parameters[take.name])
-    times = (np.arange(len(take)) + 0.5) / 25
+    times = (np.arange(len(take)) + 0.5) / fps
     chosen = np.linspace(0.2 * len(take), 0.8 * len(take), SHOWN).astype(int)
     figure = Figure(figsize=(11, 3.2), layout="constrained")
     grid = figure.add_gridspec(2, SHOWN, height_ratios=(1.3, 1))
@@ -107,7 +107,8 @@ def main() -> None:
     parser.add_argument("--pictures", type=Path)
     parser.add_argument("--strip", type=Path)
     options = parser.parse_args()
-    takes, skipped = load_takes(open_dataset(options.dataset), options.videos, quiet)
+    dataset = open_dataset(options.dataset)
+    takes, skipped = load_takes(dataset, options.videos, quiet)
     start = time.perf_counter()
     fit = fit_reference_face(takes)
     print(f"{len(takes)} recordings, {len(skipped)} skipped, {time.perf_counter() - start:.0f} s")
@@ -122,7 +123,8 @@ def main() -> None:
     if options.pictures:
         write_modes(options.pictures / "reference-modes.png", fit.face)
         write_vertices(options.pictures / "reference-vertices.png", fit.face)
-        write_clip_picture(options.pictures / "reference-clip.png", fit, test[0])
+        fps = dataset.recording(test[0].name).motion.fps
+        write_clip_picture(options.pictures / "reference-clip.png", fit, test[0], fps)
 
 
 if __name__ == "__main__":

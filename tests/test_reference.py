@@ -661,3 +661,25 @@ def test_wrong_arguments_are_one_clear_line(
 def test_the_manifest_stays_json_that_opens(fitted: tuple[Path, Any], made: Dataset) -> None:
     manifest = json.loads((made.path / "dataset.json").read_text("utf-8"))
     assert len(manifest["recordings"]) == len(NAMES) + 1
+
+
+@pytest.mark.parametrize(
+    ("start", "offset"), [(0, 0), (0, 0.2), (0, -0.2), (0.1, 0), (-0.1, 0), (0.05, 0.4)]
+)
+def test_the_sound_of_an_overlay_is_in_step_with_the_picture(
+    tmp_path: Path, start: float, offset: float
+) -> None:
+    from lipwright.audio import Audio, write_flac
+    from lipwright.capture.overlay import _sound_of_picture
+    from lipwright.dataset.recording import Motion, Recording
+    from lipwright.track import PhoneTrack
+
+    samples = np.zeros(16000, np.float32)
+    samples[8000] = 0.9  # a click at 0.5 s
+    write_flac(tmp_path / "audio.flac", Audio(samples, 16000))
+    motion = Motion(25.0, np.zeros(25, np.uint8), np.zeros((25, 52), np.float32))
+    track = PhoneTrack(("sil",), np.array([0.0, 1.0]))
+    sound = _sound_of_picture(Recording("a", motion, track, offset, {}, tmp_path, start))
+    assert sound is not None
+    [click] = np.flatnonzero(sound.samples > 0.5)
+    assert click / 16000 == pytest.approx(0.5 - start + offset, abs=1e-4)
