@@ -17,6 +17,7 @@ EXAMPLES = Path(__file__).parent
 
 
 def main() -> None:
+    """Draw a speaker, capture the video, compare."""
     words = (EXAMPLES / "hello.txt").read_text()
     with TemporaryDirectory() as name:
         place = Path(name)
