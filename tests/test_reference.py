@@ -549,8 +549,9 @@ def test_a_face_that_never_moves_is_refused(made: Dataset, tmp_path: Path) -> No
         write_rest(folder, moving.info["source"])
         entries.append({"name": name, "status": "captured", "split": "train", "files": {}})
     manifest = {**made.manifest, "recordings": entries}
+    Dataset(path, manifest).save()
     with pytest.raises(LipwrightError, match=r"no reference face can be fitted: .* do not vary"):
-        fit_dataset(Dataset(path, manifest), tmp_path / "face.npz")
+        fit_dataset(open_dataset(path), tmp_path / "face.npz")
     assert not (tmp_path / "face.npz").exists()
 
 

@@ -30,8 +30,8 @@ class RejectLimits:
     jitter: float = 0.01
     """eye distances, largest, of lips at rest: a third of the 15 % mark of closures"""
     offset: float = 0.2
-    """s, largest that is trusted: people notice 0.19 (ITU-R BT.1359-1), so more is rather a wrong
-    match than a fault of the recorder"""
+    """s, largest that is trusted: recorders are seldom further apart, so more is rather a wrong
+    match"""
     offset_r: float = 0.3
     """least correlation of lips and words: below it they have nothing to do with each other"""
     confidence: float = 0.6
