@@ -14,7 +14,6 @@ from lipwright.capture.arkitjson import read_arkit_json
 from lipwright.capture.livelink import is_live_link, read_live_link
 from lipwright.errors import LipwrightError
 
-SUFFIXES: Final = (".csv", ".json")
 SOUND_SUFFIXES: Final = (
     ".wav", ".flac", ".aif", ".aiff", ".mov", ".mp4", ".m4v", ".m4a", ".mkv", ".webm", ".avi",
     ".mp3", ".ogg", ".opus", ".aac",
