@@ -1,7 +1,8 @@
 """How well the offset between sound and picture is found.
 
 Each GRID recording's tracked lips are moved by a random offset of up to 0.4 s, and the estimate of
-the moved lips is compared with that of the lips as they were.
+the moved lips is compared with that of the lips as they were. Then the shares of p, b and m whose
+lips come under 15 % of the 95th percentile within some time of the phone, without and with offsets.
 
     python bench/offset.py [--split test|validation|train|all]
 """
@@ -15,6 +16,7 @@ import numpy as np
 
 from grid import Sentence, sentences
 from lipwright.capture.offset import Offset, estimate_offset
+from lipwright.capture.quality import bilabial_closures
 from lipwright.evaluate.lips import Aperture
 
 PLANTED = 0.4  # s, at most, either way
@@ -35,12 +37,25 @@ def measure(sentence: Sentence) -> tuple[str, Offset, float, Offset]:
     )
 
 
+def closed_share(rows: list[tuple[Sentence, float]], within: float) -> float:
+    """Of all bilabials, those that close within so many s of the phone; rows with their lag."""
+    closures = [
+        closure
+        for sentence, lag in rows
+        for closure in bilabial_closures(
+            sentence.aperture.values, sentence.aperture.times - lag, within, sentence.track
+        )
+    ]
+    return float(np.mean([closure.closed for closure in closures]))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--split", default="test")
     options = parser.parse_args()
+    chosen = sentences(options.split)
     with Pool(2) as pool:
-        rows = pool.map(measure, sentences(options.split), chunksize=10)
+        rows = pool.map(measure, chosen, chunksize=10)
     own = np.array([row[1].seconds for row in rows])
     applied = np.array([row[1].trusted for row in rows])
     print(f"{len(rows)} recordings; their own offsets, ms, 5th, 50th and 95th percentile:",
@@ -56,6 +71,16 @@ def main() -> None:
         f"95th percentile: {1000 * np.median(errors):.1f} {1000 * np.percentile(errors, 95):.1f}; "
         f"wrong by over {1000 * WRONG:.0f} ms: {100 * (errors > WRONG).mean():.2f} %"
     )
+    without = [(sentence, 0.0) for sentence in chosen]
+    lags = [row[1].seconds if row[1].trusted else 0.0 for row in rows]
+    for within in (0.0, 0.02, 0.04):
+        shares = [
+            closed_share(each, within) for each in (without, list(zip(chosen, lags, strict=True)))
+        ]
+        print(
+            f"p, b, m closed within {1000 * within:.0f} ms: "
+            f"{100 * shares[0]:.2f} %, with offsets {100 * shares[1]:.2f} %"
+        )
 
 
 if __name__ == "__main__":
