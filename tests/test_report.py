@@ -22,7 +22,6 @@ from lipwright.capture.quality import (
     LIP_LANDMARKS,
     agreement,
     bilabial_closures,
-    count_runs,
     eye_distance,
     head_turns,
     lip_jitter,
@@ -44,6 +43,7 @@ from lipwright.dataset.recording import (
     write_info,
 )
 from lipwright.errors import LipwrightError
+from lipwright.evaluate.lips import runs
 from lipwright.formats import write_track
 from lipwright.track import PhoneTrack, Word
 
@@ -104,8 +104,8 @@ def flagged(**spans: tuple[int, int]) -> np.ndarray:
 
 
 def test_runs_are_counted_once_each() -> None:
-    assert count_runs(np.array([True, True, False, True, False, False, True])) == 3
-    assert count_runs(np.zeros(5, bool)) == 0
+    assert len(runs(np.array([True, True, False, True, False, False, True]))) == 3
+    assert len(runs(np.zeros(5, bool))) == 0
 
 
 @given(st.floats(0, 80), st.floats(20, 500))

@@ -19,11 +19,12 @@ from lipwright.capture.blinks import eye_openness, find_blinks
 from lipwright.capture.following import Follower
 from lipwright.capture.landmarks import EYES, aperture, eye_centres, eye_distance
 from lipwright.capture.pose import RIGID, fit_similarities, remove_pose, to_head, to_picture
-from lipwright.capture.smooth import CUTOFF, low_pass, runs, smooth
+from lipwright.capture.smooth import CUTOFF, low_pass, smooth
 from lipwright.capture.timing import USUAL_FPS, frame_rate, make_grid
 from lipwright.capture.video import open_video, read_frames, read_pictures
 from lipwright.dataset.recording import Flag
 from lipwright.errors import LipwrightError
+from lipwright.evaluate.lips import runs
 
 CORPORA = Path(__file__).parents[2] / "shared" / "corpora"
 CLIP = CORPORA / "grid-s1" / "video" / "bbal6n.mp4"

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.capture.landmarks import EYES, distance
-from lipwright.capture.smooth import runs
+from lipwright.evaluate.lips import runs
 
 # Upper and lower lid, three pairs of each eye, in the order of `EYES`.
 LIDS: Final = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -121,9 +121,11 @@ def capture_recording(
     """
     folder = path / RECORDINGS / source.name
     try:
-        key = key_of(source, options)
+        hashes = {role: sha256_of(file) for role, file in files_of(source).items()}
+        key = key_of(source, options, hashes)
         if (info := finished(folder, key)) is None:
-            info = _capture(source, folder, options, key, progress)
+            origin = _origin(source, options, key, hashes)
+            info = _capture(source, folder, options, origin, progress)
             fresh = True
         else:
             fresh = False
@@ -155,8 +157,9 @@ def _failure(source: Source, message: str) -> Outcome:
 
 
 def _capture(
-    source: Source, folder: Path, options: CaptureOptions, key: str, progress: Progress
-) -> dict[str, Any]:
+    source: Source, folder: Path, options: CaptureOptions, origin: dict[str, Any],
+    progress: Progress,
+) -> dict[str, Any]:  # fmt: skip
     _check_room(folder.parent)
     edited = edited_phones(folder)
     seen, alignment = _observe(source, edited, options, progress)
@@ -169,7 +172,11 @@ def _capture(
         arkit_aperture=head_aperture(motion.arkit),
     )  # fmt: skip
     info = {
-        **_origin(source, options, key, seen),
+        **origin,
+        "tracker": seen.tracker,
+        "fps": seen.fps,
+        "frames": len(seen.flags),
+        "start": round(seen.start, 6),
         **_said(source, seen, alignment),
         "offset": offset.to_info(),
         "quality": quality,
@@ -250,16 +257,17 @@ def _offset(seen: Observation, track: PhoneTrack) -> Offset:
     return estimate_offset(lips, track)
 
 
-def _origin(source: Source, options: CaptureOptions, key: str, seen: Observation) -> dict[str, Any]:
-    """Where the recording comes from and how it was captured."""
+def _origin(
+    source: Source, options: CaptureOptions, key: str, hashes: Mapping[str, str]
+) -> dict[str, Any]:
+    """Where the recording comes from and how it is captured."""
     files = {
-        role: {"path": str(file.resolve()), "sha256": sha256_of(file)}
+        role: {"path": str(file.resolve()), "sha256": hashes[role]}
         for role, file in files_of(source).items()
     }
     return {
         "name": source.name, "key": key, "lipwright": VERSION, "source": files,
-        "options": options.shaping(), "tracker": seen.tracker, "fps": seen.fps,
-        "frames": len(seen.flags), "start": round(seen.start, 6),
+        "options": options.shaping(),
     }  # fmt: skip
 
 

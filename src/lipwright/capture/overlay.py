@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from lipwright.audio import Audio, open_audio
 from lipwright.capture.pixels import take_parameters
-from lipwright.capture.takes import Take, in_picture
+from lipwright.capture.pose import to_picture
+from lipwright.capture.takes import Take
 from lipwright.capture.video import open_video, read_pictures
 from lipwright.clip import Clip
 from lipwright.dataset.recording import Recording
@@ -85,7 +86,8 @@ def overlay_pictures(
     """
     known = np.isfinite(parameters.outer).all(axis=1) & take.valid
     depth = np.broadcast_to(face.depth[:, None], (len(take), N, 1))
-    at = in_picture(np.concatenate([face.points(parameters.shape), depth], -1), take.head_pose)
+    guessed = np.concatenate([face.points(parameters.shape), depth], -1)
+    at = to_picture(guessed, take.head_pose)[..., :2]
     last: Picture | None = None
     done = 0
     for frame, picture in read_pictures(take.video):

@@ -43,9 +43,8 @@ def all_outcomes(
         else:
             yield Outcome(source.name, error=source.problem)
     jobs = min(jobs, len(ready))
-    suspects: list[Source] = []
     while ready:
-        suspects = []
+        suspects: list[Source] = []
         for source, outcome in _pooled(ready, path, options, jobs, tick):
             if outcome is None:
                 suspects.append(source)

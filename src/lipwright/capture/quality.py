@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.dataset.recording import Flag, Motion
-from lipwright.evaluate.lips import BILABIALS, CLOSED, LOUD_PERCENTILE, OPEN
+from lipwright.evaluate.lips import BILABIALS, CLOSED, LOUD_PERCENTILE, OPEN, runs
 from lipwright.track import PhoneTrack
 
 Floats = npt.NDArray[np.floating]
@@ -41,11 +41,6 @@ def tracked_share(motion: Motion) -> float:
     """Of the frames that the video has, the share with a face, 0 to 1."""
     there = (motion.flags & Flag.DROPPED) == 0
     return float(motion.valid[there].mean()) if there.any() else 0.0
-
-
-def count_runs(mask: Mask) -> int:
-    """How often `mask` (T,) becomes true."""
-    return int((np.diff(np.concatenate([[False], mask]).astype(np.int8)) == 1).sum())
 
 
 def eye_distance(head_pose: Floats) -> float:
@@ -194,7 +189,7 @@ def measure_quality(
         "dropped": int(((motion.flags & Flag.DROPPED) != 0).sum()),
         "frames": len(motion),
         "second_face": rounded(float(((motion.flags & Flag.CROWD) != 0).mean())),
-        "blinks": count_runs((motion.flags & Flag.BLINK) != 0),
+        "blinks": len(runs((motion.flags & Flag.BLINK) != 0)),
         "confidence": rounded(mean_confidence(track)),
         "words": len(track.words),
         "misfits": misfits,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,11 +23,10 @@ if TYPE_CHECKING:
 LAYOUT: Final = 1  # raise when what is captured of the same files changes
 
 
-def key_of(source: Source, options: CaptureOptions) -> str:
+def key_of(source: Source, options: CaptureOptions, hashes: Mapping[str, str]) -> str:
     """What the captured files depend on, as a hash."""
     inputs: dict[str, Any] = {"layout": LAYOUT, "lipwright": VERSION, "text": source.text}
-    for role, file in files_of(source).items():
-        inputs[role] = sha256_of(file)
+    inputs |= hashes
     inputs |= options.shaping()
     inputs["head"] = HEAD_FORMAT
     if source.is_video:

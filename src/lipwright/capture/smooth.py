@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.capture.landmarks import aperture
-from lipwright.evaluate.lips import LOUD_PERCENTILE
+from lipwright.evaluate.lips import LOUD_PERCENTILE, runs
 
 Floats = npt.NDArray[np.float64]
 
@@ -73,9 +73,3 @@ def low_pass(values: npt.NDArray[np.floating], fps: float, cutoff: float) -> Flo
             smoothed[first:stop], sigma, axis=0, mode="nearest"
         )
     return smoothed
-
-
-def runs(mask: npt.ArrayLike) -> list[tuple[int, int]]:
-    """First and stop of each run of true values of (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

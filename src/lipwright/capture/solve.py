@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 from lipwright.capture.correspondence import correspondence, landmark_shapes
 from lipwright.capture.landmarks import LIP_PAIRS
-from lipwright.capture.smooth import runs
 from lipwright.controls import ARKIT, CANONICAL, MIRROR
+from lipwright.evaluate.lips import runs
 from lipwright.face.head import Head
 
 Floats = npt.NDArray[np.float64]

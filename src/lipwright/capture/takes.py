@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.capture.pose import to_picture
 from lipwright.capture.video import read_pictures
 from lipwright.dataset.folder import sha256_of
 from lipwright.dataset.recording import INFO_FILE, Recording
@@ -42,7 +43,7 @@ class Take:
     @cached_property
     def at(self) -> Floats:
         """(T, 34, 2) pixels, the points in the picture."""
-        return in_picture(self.points, self.head_pose)
+        return to_picture(self.points, self.head_pose)[..., :2]
 
     @cached_property
     def unit(self) -> Floats:
@@ -92,12 +93,6 @@ def make_take(recording: Recording, split: str, videos: Path | None = None) -> T
     return Take(
         recording.name, split, points, motion.head_pose, find_video(recording, source, videos)
     )
-
-
-def in_picture(points: Floats, head_pose: Floats) -> Floats:
-    """Points (T, n, 3) without the head's pose as pixels (T, n, 2)."""
-    turned = points @ head_pose[:, :2, :3].transpose(0, 2, 1)
-    return np.asarray(turned + head_pose[:, None, :2, 3])
 
 
 def _video_source(recording: Recording) -> dict[str, Any] | None:

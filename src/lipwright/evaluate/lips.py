@@ -158,7 +158,8 @@ def _mean(values: npt.ArrayLike) -> float:
     return float(known.mean()) if len(known) else float("nan")
 
 
-def _runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs(mask: npt.ArrayLike) -> list[tuple[int, int]]:
+    """First and stop of each run of true values of (T,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -199,7 +200,7 @@ def _shut_and_open(
 
 def _long_runs(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     needed = round(FALSE_CLOSURE_MIN / _STEP)
-    return [(first, last) for first, last in _runs(mask) if last - first >= needed]
+    return [(first, last) for first, last in runs(mask) if last - first >= needed]
 
 
 def silence_share(estimated_aperture: Aperture, track: PhoneTrack, margin: float = 0.0) -> float:
