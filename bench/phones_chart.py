@@ -103,7 +103,7 @@ def trained_phones(model: str | None) -> frozenset[str]:
     if model is not None:
         from lipwright.network import load_network
 
-        return frozenset(load_network(model).features.phones)
+        return frozenset(load_network(model).meta.features.phones)
     from grid import sentences
 
     return frozenset(phone for sentence in sentences("train") for phone in sentence.track.phones)
