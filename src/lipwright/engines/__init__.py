@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol, cast
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from lipwright.track import PhoneTrack
 
 DEFAULT: Final = "dominance"
+DEFAULT_MODEL: Final = "lipwright"  # of the engines that run networks
+OF_MODELS: Final = "window"  # the engine that a model without an engine means
 
 
 class Engine(Protocol):
@@ -39,6 +43,8 @@ class EngineEntry:
     """imported when the engine is asked for; has a function `animate` with Engine's signature"""
     summary: str
     """one line for lists"""
+    runs_models: bool = False
+    """`animate` takes `model` too, a name or folder; the module has `open_network(model)`"""
 
 
 ENGINES: Final = MappingProxyType(
@@ -47,17 +53,58 @@ ENGINES: Final = MappingProxyType(
             "lipwright.engines.dominance",
             "dominance functions (Cohen and Massaro 1993), targets fitted to a real speaker",
         ),
+        "window": EngineEntry(
+            "lipwright.engines.window",
+            "a network over a sliding window (Taylor et al. 2017), trained on real speakers",
+            runs_models=True,
+        ),
     }
 )
 """name to engine; a new engine is one module and one row"""
 
 
-def get_engine(name: str) -> Engine:
-    """The engine of that name.
+def choose_engine(name: str | None = None, model: str | Path | None = None) -> str:
+    """The engine that is meant: that of the name, or that of models, or the default.
 
     Raises:
-        LipwrightError: no such engine; lists the known ones.
+        LipwrightError: no such engine, or one that runs no models was given one.
     """
-    if name not in ENGINES:
-        raise LipwrightError(f"no engine {name!r}; the engines are: {', '.join(ENGINES)}")
-    return cast("Engine", import_module(ENGINES[name].module).animate)
+    chosen = name or (DEFAULT if model is None else OF_MODELS)
+    if chosen not in ENGINES:
+        raise LipwrightError(f"no engine {chosen!r}; the engines are: {', '.join(ENGINES)}")
+    if model is not None and not ENGINES[chosen].runs_models:
+        runners = ", ".join(known for known, entry in ENGINES.items() if entry.runs_models)
+        raise LipwrightError(
+            f"--model is for the engine {runners}, not for {chosen}; leave one of them out"
+        )
+    return chosen
+
+
+def get_engine(name: str | None = None, model: str | Path | None = None) -> Engine:
+    """The engine of that name, with a model where it runs one.
+
+    Args:
+        name: of ENGINES; by default that of models where one is given, or else the default.
+        model: the name of a model that ships, or a model's folder.
+
+    Raises:
+        LipwrightError: no such engine, lists the known ones; or it runs no models.
+    """
+    entry = ENGINES[choose_engine(name, model)]
+    animate = import_module(entry.module).animate
+    return cast("Engine", partial(animate, model=model) if entry.runs_models else animate)
+
+
+def engine_controls(name: str | None = None, model: str | Path | None = None) -> tuple[str, ...]:
+    """The controls of the clips that an engine makes; a model is loaded to know.
+
+    Raises:
+        LipwrightError: as `get_engine`, or the model cannot be used.
+    """
+    from lipwright.controls import CANONICAL
+
+    entry = ENGINES[choose_engine(name, model)]
+    if not entry.runs_models:
+        return CANONICAL
+    module = import_module(entry.module)
+    return cast("tuple[str, ...]", module.clip_names(module.open_network(model)))
