@@ -1,12 +1,14 @@
 """How well animated lips follow the real lips of GRID speaker 1, on two heads.
 
     python bench/lips.py                    # the 50 test sentences, dominance and OpenFaceFX
+    python bench/lips.py --model MODEL      # the engine window with this model beside them
+    python bench/lips.py --engines window:MODEL window:OTHER
     python bench/lips.py --split all        # all 880 sentences; closures and failures
     python bench/lips.py --fresh            # align anew instead of using kept phones
 
-Every sentence is aligned, animated by each engine from the same phone times, posed on each head,
-and its aperture compared with the tracked lips of the video (`lipwright.evaluate.lips` defines
-the figures). Needs the extra `bench` and `lipwright head install`.
+Every sentence is aligned, animated by each engine from the same phone times and the sound, posed on
+each head, and its aperture compared with the tracked lips of the video (`lipwright.evaluate.lips`
+defines the figures). Needs the extra `bench` and `lipwright head install`.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ import numpy as np
 
 from grid import CORPORA, Sentence, sentences
 from heads import Ruler, rulers
+from lipwright.audio import open_audio
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
@@ -33,18 +36,28 @@ from lipwright.track import PhoneTrack
 
 FPS = 60.0
 
-Animator = Callable[[PhoneTrack], Clip]
+Animator = Callable[[PhoneTrack, Path | None], Clip]
+"""phones and the file of their sound to motion"""
 
 
-def ours(engine: str) -> Animator:
-    """One of our engines, with the passes that `lipwright animate` applies."""
-    from lipwright.pipeline import AnimateOptions, animate_track
+def ours(engine: str, model: str | None = None) -> Animator:
+    """One of our engines, with the sound and the passes that `lipwright animate` gives it."""
+    from lipwright.pipeline import ALIGNMENT_RATE, AnimateOptions, animate_track
 
-    return lambda track: animate_track(track, AnimateOptions(engine=engine, fps=FPS))
+    options = AnimateOptions(engine=engine, model=model, fps=FPS)
+
+    def animate(track: PhoneTrack, audio: Path | None = None) -> Clip:
+        if audio is None:
+            return animate_track(track, options)
+        with open_audio(audio, ALIGNMENT_RATE) as sound:
+            return animate_track(track, options, sound)
+
+    return animate
 
 
-def openfacefx(track: PhoneTrack) -> Clip:
+def openfacefx(track: PhoneTrack, audio: Path | None = None) -> Clip:
     """The peer, from the same phone times: `openfacefx mfa --textgrid X --retarget arkit`."""
+    del audio
     with tempfile.TemporaryDirectory() as folder:
         grid, out = Path(folder) / "phones.TextGrid", Path(folder) / "out.json"
         write_track(grid, track)
@@ -74,8 +87,11 @@ ANIMATORS = {"openfacefx": lambda: openfacefx}
 
 
 def animator(name: str) -> Animator:
-    """An engine or a peer by name."""
-    return ANIMATORS[name]() if name in ANIMATORS else ours(name)
+    """An engine or a peer by name; `window:MODEL` is an engine with a model."""
+    if name in ANIMATORS:
+        return ANIMATORS[name]()
+    engine, _, model = name.partition(":")
+    return ours(engine, model or None)
 
 
 def score(
@@ -94,10 +110,13 @@ def main() -> None:
     parser.add_argument("--split", default="test", choices=["all", "test", "validation", "train"])
     parser.add_argument("--first", type=int, help="only the first N sentences of the split")
     parser.add_argument("--engines", nargs="+", default=["dominance", "openfacefx"])
+    parser.add_argument("--model", help="also the engine window with this model")
     parser.add_argument("--corpora", type=Path, default=CORPORA)
     parser.add_argument("--fresh", action="store_true", help="align anew; count failures")
     parser.add_argument("--json", type=Path, help="also write the figures to this file")
     options = parser.parse_args()
+    if options.model is not None:
+        options.engines.append(f"window:{options.model}")
     heads = rulers(options.corpora)
     chosen = sentences(options.split, options.corpora)[: options.first]
     failures: list[str] = []
@@ -114,7 +133,9 @@ def main() -> None:
         for sentence in chosen:
             if sentence.name in tracks:
                 track = tracks[sentence.name]
-                for head, value in score(sentence, track, animate(track), heads).items():
+                for head, value in score(
+                    sentence, track, animate(track, sentence.audio), heads
+                ).items():
                     scores[head].append(value)
         figures[engine] = {head: pool(values) for head, values in scores.items()}
     print(f"{len(chosen)} sentences ({options.split}), {len(failures)} failed to align")
@@ -122,10 +143,11 @@ def main() -> None:
         print("  " + line)
     head_line = ("r", "r_median", "r_best_lag", "lag_ms", "closures", "closures_real",
                  "false_closures_per_s", "mistimed_closures_per_s", "silence")  # fmt: skip
-    print(f"{'engine':12} {'head':11}", *(f"{name[:14]:>14}" for name in head_line))
+    width = max(map(len, ("engine", *figures)))
+    print(f"{'engine':{width}} {'head':11}", *(f"{name[:14]:>14}" for name in head_line))
     for engine, by_head in figures.items():
         for head, row in by_head.items():
-            print(f"{engine:12} {head:11}", *(f"{row[name]:14.3f}" for name in head_line))
+            print(f"{engine:{width}} {head:11}", *(f"{row[name]:14.3f}" for name in head_line))
     if options.json:
         with write_whole(options.json) as part:
             part.write_text(json.dumps({"failures": failures, "figures": figures}, indent=1))

@@ -6,13 +6,14 @@ audio, words -> align -> track -> engine -> clip -> passes -> rig -> performance
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from lipwright.audio import AudioFile, open_audio
 from lipwright.clip import MAX_FPS, Clip
-from lipwright.engines import DEFAULT, get_engine
+from lipwright.controls import CANONICAL
+from lipwright.engines import choose_engine, engine_controls, get_engine
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import Performance
 from lipwright.formats import read_track
@@ -48,10 +49,14 @@ class AnimateOptions:
     """How phones become motion.
 
     Raises:
-        LipwrightError: fps or intensity out of range.
+        LipwrightError: fps or intensity out of range, no such engine, or a model for one that
+            runs none.
     """
 
-    engine: str = DEFAULT
+    engine: str | None = None
+    """a name; by default `window` where a model is given, or else the default engine"""
+    model: str | Path | None = None
+    """of the engine `window`: the name of one that ships, or a model's folder"""
     fps: float = 60.0
     """frames a second, 0.1 to 1000"""
     intensity: float = 1.0
@@ -61,12 +66,21 @@ class AnimateOptions:
 
     def __post_init__(self) -> None:
         """Check."""
+        choose_engine(self.engine, self.model)
         if not MIN_FPS <= self.fps <= MAX_FPS:
             raise LipwrightError(
                 f"fps is {self.fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}"
             )
         if self.passes is None:
             default_passes(self.intensity)  # refuses what it cannot use
+
+    def controls(self) -> tuple[str, ...]:
+        """The controls of the clips that this makes: canonical, or modes of a reference face.
+
+        Raises:
+            LipwrightError: the model cannot be used.
+        """
+        return engine_controls(self.engine, self.model)
 
     def chosen_passes(self) -> tuple[Pass, ...]:
         """The passes to apply, in order."""
@@ -138,16 +152,26 @@ def align_speech(
         return align_sound(sound, text, options, source, report)
 
 
+def moves_heads(names: Iterable[str]) -> bool:
+    """Whether controls are canonical ones, which heads have, rather than modes of one speaker."""
+    return set(names) <= set(CANONICAL)
+
+
 def animate_track(
     track: PhoneTrack, options: AnimateOptions | None = None, audio: AudioFile | None = None
 ) -> Clip:
     """The motion of a phone track, in the canonical controls.
 
+    A model that predicts modes of a reference face gives those, as they are: passes and rigs
+    know nothing of them.
+
     Raises:
-        LipwrightError: no such engine.
+        LipwrightError: the model cannot be used.
     """
     options = options or AnimateOptions()
-    clip = get_engine(options.engine)(track, options.fps, audio)
+    clip = get_engine(options.engine, options.model)(track, options.fps, audio)
+    if not moves_heads(clip.names):
+        return clip
     clip = apply_passes(clip, track, options.chosen_passes())
     return canonical_rig().fit(clip)
 
@@ -168,7 +192,7 @@ def animate(
         speech: the recording; any common sound or video file.
         text: the words that are said in it. Give `text` or `phones`.
         phones: a phone track, or a file of one: then nothing is aligned.
-        options: engine, frame rate, intensity and passes.
+        options: engine, model, frame rate, intensity and passes.
         alignment: language, dictionary and aligner.
         text_source: the text's name in errors.
         report: told how far it is.

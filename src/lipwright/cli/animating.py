@@ -13,12 +13,12 @@ import click
 
 from lipwright.cli.inputs import STDIN, piped_out, read_text, recording
 from lipwright.cli.progress import Report, progress_option, progress_report, say, warn
-from lipwright.engines import DEFAULT
+from lipwright.engines import DEFAULT, ENGINES, OF_MODELS
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
-    from lipwright.export import ExportOptions
-    from lipwright.pipeline import AlignOptions, Result
+    from lipwright.export import Exporter, ExportOptions
+    from lipwright.pipeline import AlignOptions, AnimateOptions, Result
     from lipwright.speech import Alignment
     from lipwright.track import PhoneTrack
 
@@ -30,6 +30,7 @@ Examples:
 \b
   lipwright animate talk.mp3 --text talk.txt -o talk.csv -o talk.glb
   lipwright animate talk.mp3 --phones talk.TextGrid -o talk.livelink.csv --fps 30
+  lipwright animate talk.mp3 --text talk.txt --model anna-model -o talk.mp4
   cat talk.wav | lipwright animate - --text talk.txt -o - --format json
 """
 
@@ -134,15 +135,12 @@ def _say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> Non
 )
 @out_option
 @format_option
-@click.option("--engine", default=DEFAULT, show_default=True, help="What makes motion of phones.")
+@click.option("--engine", help=f"What makes motion of phones: {', '.join(ENGINES)}.  [default: "
+              f"{DEFAULT}, or {OF_MODELS} where a model is given]")  # fmt: skip
+@click.option("--model", help="Name or folder of a network to run; see lipwright models.")
 @click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
-@click.option(
-    "--intensity",
-    type=float,
-    default=1.0,
-    show_default=True,
-    help="0.5 mumbles, 1.5 over-articulates.",
-)
+@click.option("--intensity", type=float, default=1.0, show_default=True,
+              help="0.5 mumbles, 1.5 over-articulates.")  # fmt: skip
 @dictionary_option
 @language_option
 @click.option(
@@ -152,11 +150,10 @@ def _say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> Non
 def animate(
     speech: str, text: str | None, phones: Path | None, out: tuple[str, ...],
     format: str | None,  # noqa: A002  # as the option is called
-    engine: str, fps: float, intensity: float, dictionary: Path | None, language: str,
-    size: str, progress: str,
+    engine: str | None, model: str | None, fps: float, intensity: float,
+    dictionary: Path | None, language: str, size: str, progress: str,
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
-    from lipwright.engines import get_engine
     from lipwright.export import EXPORTERS
     from lipwright.formats.suffixes import by_suffix
     from lipwright.pipeline import AlignOptions, AnimateOptions
@@ -171,11 +168,11 @@ def animate(
         raise LipwrightError("the sound and the words cannot both come through the pipe")
     if phones is not None and dictionary is not None:
         raise LipwrightError(f"{dictionary}: --phones needs no dictionary; leave one of them out")
-    options = AnimateOptions(engine=engine, fps=fps, intensity=intensity)
+    options = AnimateOptions(engine=engine, model=model, fps=fps, intensity=intensity)
     export_options = _export_options(size, Path(_speech_name(speech)).stem)
-    get_engine(engine)
-    for target in targets:
-        exporter = by_suffix(EXPORTERS, Path(target), _suffix(format), "export")
+    exporters = [by_suffix(EXPORTERS, Path(t), _suffix(format), "export") for t in targets]
+    _check_controls(options, targets, exporters)
+    for exporter in exporters:
         if exporter.prepare is not None:
             exporter.prepare()
     _check_files(targets, speech, text, phones, dictionary)
@@ -190,6 +187,24 @@ def animate(
     if result.alignment is not None:
         _report_misfits(result.alignment, progress)
     _say_done(targets, result.track, progress)
+
+
+def _check_controls(
+    options: AnimateOptions, targets: tuple[str, ...], exporters: list[Exporter]
+) -> None:
+    """Refuse to put modes of a reference face on a head; our own tables hold any controls."""
+    from lipwright.pipeline import moves_heads
+
+    names = options.controls()
+    if moves_heads(names):
+        return
+    for target, exporter in zip(targets, exporters, strict=True):
+        if exporter.read is None:
+            raise LipwrightError(
+                f"{target}: {options.model} predicts modes of a reference face ({names[0]} to "
+                f"{names[-1]}), which move no head; write .csv or .json for 'lipwright face "
+                "overlay --params', or train one with: lipwright train --targets arkit"
+            )
 
 
 def _export_options(size: str, title: str) -> ExportOptions:

@@ -46,8 +46,10 @@ def find_model(model: PathLike) -> Path:
         is_there = False
     if is_there:
         raise LipwrightError(f"{model}: a model is a folder; name the folder with its {META_FILE}")
-    known = f"the models are: {', '.join(shipped)}" if shipped else "this version ships none"
-    raise LipwrightError(f"no model {str(model)[:200]!r}; {known}; or name a model's folder")
+    known = f"ships: {', '.join(shipped)}" if shipped else "ships none"
+    raise LipwrightError(
+        f"no model {str(model)[:200]!r}: no such folder, and this version {known}; name a model"
+    )
 
 
 def read_file(folder: Path, name: str) -> bytes:
