@@ -1,0 +1,231 @@
+"""The parts of the benchmarks that measure, against planted answers."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lipwright.audio import Audio
+from lipwright.clip import Clip
+
+ROOT = Path(__file__).resolve().parents[1]
+GRID = ROOT.parent / "shared" / "corpora" / "grid-s1"
+RATE = 16000
+PITCH, FORMANTS = 120.0, (560.0, 1480.0, 2520.0)
+
+needs_grid = pytest.mark.skipif(
+    not GRID.is_dir(), reason="the GRID recordings are not beside the checkout"
+)
+needs_world = pytest.mark.skipif(
+    importlib.util.find_spec("pyworld") is None, reason="the vocoder WORLD is not installed"
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def on_path() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "bench"))
+        yield
+
+
+def bench(name: str) -> ModuleType:
+    return importlib.import_module(name)
+
+
+# --- voices ---
+
+
+def vowel(seconds: float = 0.8) -> Audio:
+    """Pulses at PITCH through resonances at FORMANTS."""
+    from scipy.signal import lfilter
+
+    signal = np.zeros(round(seconds * RATE))
+    signal[np.round(np.arange(0, len(signal) - 1, RATE / PITCH)).astype(int)] = 1
+    for formant in FORMANTS:
+        radius = np.exp(-np.pi * 60 / RATE)
+        signal = lfilter([1], [1, -2 * radius * np.cos(2 * np.pi * formant / RATE), radius**2],
+                         signal)  # fmt: skip
+    return Audio((0.5 * signal / np.abs(signal).max()).astype(np.float32), RATE)
+
+
+def pitch_of(audio: Audio) -> float:
+    """Hz, by the highest peak of the autocorrelation between 60 and 500 Hz."""
+    middle = audio.samples[len(audio) // 4 : -len(audio) // 4].astype(float)
+    correlation = np.correlate(middle, middle, "full")[len(middle) - 1 :]
+    low, high = RATE // 500, RATE // 60
+    # Of the multiples of the period, which are as high, the first.
+    best = correlation[low:high].max()
+    peaks = [lag for lag in range(low, high) if correlation[lag] > 0.9 * best
+             and correlation[lag] == correlation[lag - 2 : lag + 3].max()]  # fmt: skip
+    return RATE / peaks[0]
+
+
+def formants_of(audio: Audio, count: int = 3) -> list[float]:
+    """Hz, by linear prediction: the sharpest resonances."""
+    from scipy.linalg import solve_toeplitz
+
+    middle = audio.samples[len(audio) // 4 : -len(audio) // 4].astype(float)
+    middle = np.append(middle[0], middle[1:] - 0.5 * middle[:-1]) * np.hanning(len(middle))
+    order = 2 * count + 4
+    correlation = np.correlate(middle, middle, "full")[len(middle) - 1 :][: order + 1]
+    predictor = solve_toeplitz(correlation[:-1] * (1 + 1e-6 * (np.arange(order) == 0)),
+                               correlation[1:])  # fmt: skip
+    roots = np.roots(np.append(1, -predictor))
+    roots = roots[roots.imag > 0]
+    sharp = sorted(roots, key=lambda root: -abs(root))[:count]
+    return sorted(float(np.angle(root) * RATE / (2 * np.pi)) for root in sharp)
+
+
+@needs_world
+@pytest.mark.parametrize(("pitch", "formants"), [(0.8, 0.92), (1.0, 1.0), (1.5, 1.12), (1.9, 1.22)])
+def test_a_vowel_in_another_voice_has_its_pitch_and_formants(pitch: float, formants: float) -> None:
+    made = bench("voices").shift(vowel(), pitch, formants)
+    assert pitch_of(vowel()) == pytest.approx(PITCH, rel=0.01)
+    assert formants_of(vowel()) == pytest.approx(FORMANTS, rel=0.03)
+    assert pitch_of(made) == pytest.approx(PITCH * pitch, rel=0.02)
+    wanted = [formants * formant for formant in FORMANTS]
+    # Harmonics of a high voice are far apart, and pull what is measured towards them.
+    assert formants_of(made) == pytest.approx(wanted, rel=0.06)
+
+
+@needs_world
+def test_another_voice_keeps_time_and_does_not_clip() -> None:
+    silence = np.zeros(RATE // 2, np.float32)
+    spoken = Audio(np.concatenate([silence, 1.9 * vowel(0.5).samples, silence[:-7]]), RATE)
+    made = bench("voices").shift(spoken, 1.5, 1.12)
+    assert len(made) == len(spoken)
+    assert np.abs(made.samples).max() <= 0.99
+    loud = np.flatnonzero(np.abs(made.samples) > 0.05) / RATE
+    assert loud.min() == pytest.approx(0.5, abs=0.02)
+    assert loud.max() == pytest.approx(1.0, abs=0.03)
+
+
+@needs_grid
+def test_the_half_for_voices_is_half_of_the_train_split_and_none_of_the_others() -> None:
+    pytest.importorskip("mediapipe", reason="the face tracker is not installed")
+    sentences = bench("grid").sentences
+    half = [sentence.name for sentence in bench("voices").half()]
+    train = {sentence.name for sentence in sentences("train")}
+    assert len(set(half)) == len(half) == len(train) // 2
+    assert set(half) <= train
+
+
+# --- phones ---
+
+
+def test_the_chart_shows_each_phone_in_itself() -> None:
+    from lipwright.phones import PHONES
+
+    tiles = bench("phones_chart").tiles()
+    assert {tile.phone for tile in tiles} == set(PHONES)
+    for tile in tiles:
+        spans = [(start, end) for phone, start, end in tile.track if phone == tile.phone]
+        assert any(start < tile.time < end for start, end in spans)
+
+
+@pytest.mark.parametrize(
+    ("phone", "share", "oddities"),
+    [
+        ("M", 0.05, []),
+        ("M", 0.3, ["M does not close"]),
+        ("AA", 0.05, ["AA stays shut"]),
+        ("AA", 0.5, []),
+        ("S", 0.01, ["S is shut"]),
+        ("F", 0.01, []),
+        ("S", 0.2, []),
+    ],
+)
+def test_an_aperture_that_a_phone_cannot_have_is_odd(
+    phone: str, share: float, oddities: list[str]
+) -> None:
+    times = np.arange(0, 1, 1 / 60)
+    inside = (times > 0.3) & (times < 0.7)
+    curve = np.where(inside, share, 0.6 if phone == "M" else 0.0)
+    assert bench("phones_chart").judge_phone(phone, 0.36, 0.64, times, curve) == oddities
+
+
+def test_a_jump_is_odd_and_named() -> None:
+    values = np.zeros((60, 2), np.float32)
+    values[30:, 1] = 1
+    clip = Clip(("jawOpen", "mouthFunnel"), 60, values)
+    pair = bench("phones_chart").judge("S", "T", np.array([0.4, 0.5, 0.6]), clip, np.full(60, 0.5))
+    assert pair.oddities == "mouthFunnel jumps"
+    assert pair.speed == pytest.approx(60)
+
+
+# --- errors ---
+
+
+@pytest.fixture(scope="module")
+def parts(speakers: Path) -> tuple[ModuleType, Any, Any]:
+    """bench/error.py, a reference face, and a recording as it is compared."""
+    from lipwright.dataset.folder import open_dataset, sha256_of
+    from lipwright.face.reference_file import load_reference_face
+
+    error, path = bench("error"), speakers / "anna-face.npz"
+    truth = error.load_truth(open_dataset(speakers / "anna"), "anna1", sha256_of(path))
+    return error, load_reference_face(path), truth
+
+
+def own_clip(face: Any, truth: Any) -> Clip:
+    """The recording's own parameters as curves."""
+    from lipwright.face.faceclip import control_names
+
+    values = np.nan_to_num(truth.recording.face()["joint"] / face.joint_sd)
+    return Clip(control_names(face, "joint"), truth.recording.motion.fps, values)
+
+
+def test_a_perfect_prediction_has_no_error_but_what_the_modes_lose(
+    parts: tuple[ModuleType, Any, Any],
+) -> None:
+    error, face, truth = parts
+    found = error.squared_errors(face, truth, own_clip(face, truth))
+    assert found["joint_sd"].max() < 1e-6
+    assert 0 < found["vertices"].mean() < 0.01**2
+    assert len(found["outer"]) == len(found["joint"]) == truth.valid.sum()
+    assert len(found["inner"]) == truth.visible.sum()
+    assert error.lips_r(face, truth, own_clip(face, truth)) > 0.98
+
+
+def test_one_mode_that_is_off_by_a_deviation_costs_its_share(
+    parts: tuple[ModuleType, Any, Any],
+) -> None:
+    error, face, truth = parts
+    clip = own_clip(face, truth)
+    moved = clip.with_curves({clip.names[0]: clip.curve(clip.names[0]) + 1})
+    found = error.squared_errors(face, truth, moved)
+    modes = len(clip.names)
+    assert found["joint_sd"] == pytest.approx(1 / modes, rel=1e-3)
+    assert found["joint"] == pytest.approx(face.joint_sd[0] ** 2 / modes, rel=1e-3)
+
+
+def test_a_model_of_shape_modes_has_no_pixels(parts: tuple[ModuleType, Any, Any]) -> None:
+    from lipwright.face.faceclip import control_names
+
+    error, face, truth = parts
+    values = np.nan_to_num(truth.recording.face()["shape"] / face.shape_sd)
+    clip = Clip(control_names(face, "shape"), truth.recording.motion.fps, values)
+    found = error.squared_errors(face, truth, clip)
+    assert set(found) == {"shape_sd", "shape", "vertices"}
+    assert found["shape_sd"].max() < 1e-6
+
+
+def test_the_bootstrap_holds_the_mean_and_pairs_the_sentences() -> None:
+    error = bench("error")
+    rng = np.random.default_rng(3)
+    counts = np.full(40, 75.0)
+    rows = error.Rows(rng.gamma(4, 1, 40) * counts, counts)
+    figures = error.bootstrap(error.Rows(0.9 * rows.sums, counts), rows)
+    assert figures["low"] < figures["mean"] < figures["high"]
+    # The same sentences are hard for both, so that the ratio is sure where the means are not.
+    assert figures["ratio_low"] == pytest.approx(0.9) == pytest.approx(figures["ratio_high"])
+    spread = (figures["high"] - figures["low"]) / 0.9
+    standard_error = (rows.sums / counts).std() / np.sqrt(40)
+    assert spread == pytest.approx(2 * 1.96 * standard_error, rel=0.15)
