@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
-from lipwright.features.known import check_phones, known_track
+from lipwright.features.known import check_phones, is_lent, known_track
 from lipwright.features.linguistic import (
     ATTRIBUTES,
     TRANSITIONS,
@@ -19,8 +19,8 @@ from lipwright.features.linguistic import (
     transition_table,
 )
 from lipwright.features.spans import span_count, span_names, spans
-from lipwright.features.timeline import CODES, Floats, Indices, Timeline, timeline
-from lipwright.features.timing import TIMING, timing
+from lipwright.features.timeline import CODES, ROUNDING, Floats, Indices, Timeline, timeline
+from lipwright.features.timing import SIGHT, TIMING, timing
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
@@ -176,6 +176,19 @@ class FeatureSet:
         clock = self._clock(times)
         count, frame = self._reach(len(clock), rows)
         return self._spans(track, clock[frame]) if count else (frame, frame)
+
+    def settled(self, track: PhoneTrack) -> float:
+        """Until when (s) the frames of a track stay as they are, whatever phones follow it.
+
+        For a track that grows: `frames` at times before this, and so windows whose frames all
+        lie before it, are final.
+        """
+        until = track.end
+        if {"raw", "spans"} & set(self.kinds) and is_lent(track.phones[-1], self.phones):
+            until = float(track.edges[-2])
+        ahead = {"transitions": 1 / self.fps, "timing": SIGHT}
+        until = min(until, track.end - max(ahead.get(kind, 0.0) for kind in self.kinds))
+        return until - 2 * ROUNDING
 
     def _spans(self, track: PhoneTrack, times: Floats) -> tuple[Indices, Indices]:
         line = self._known(track)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import replace
+from functools import cache
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
@@ -16,6 +19,11 @@ def has_own_mouth(phone: str) -> bool:
     return PHONES[phone].place != "glottal"
 
 
+def is_lent(phone: str, known: Collection[str]) -> bool:
+    """Whether a phone that is not known takes the mouth of the phones beside it."""
+    return phone not in known and not has_own_mouth(phone)
+
+
 def seen_phones(tracks: Iterable[PhoneTrack]) -> tuple[str, ...]:
     """The phones that tracks hold and that shape the mouth, in the order of the table; sil first.
 
@@ -26,32 +34,42 @@ def seen_phones(tracks: Iterable[PhoneTrack]) -> tuple[str, ...]:
     return tuple(phone for phone in PHONES if phone in seen and has_own_mouth(phone))
 
 
-def replacement(phone: str, known: Collection[str]) -> tuple[str, ...]:
+# Where the phone table's distance, which is of how phones are made, is not what is seen.
+LOOKS_LIKE: Final = MappingProxyType({
+    "NG": ("N",), "ENG": ("N",),  # G opens a syllable, NG and N close it; the tongue is not seen
+    "NX": ("N",),  # as near as D, but as short and weak as N
+    "IX": ("IH",),  # weak: not as spread as IY, which is as high
+})  # fmt: skip
+
+WEAKEST: Final = "AX"  # a mouth at ease: what the throat's sounds take where they stand alone
+
+
+@cache
+def replacement(phone: str, known: frozenset[str]) -> tuple[str, ...]:
     """One phone of `known` that looks like `phone`, or two for a diphthong of known parts."""
     row = PHONES[phone]
     if phone in known:
         return (phone,)
     if row.is_diphthong and row.parts and all(part in known for part in row.parts):
         return row.parts
-    spoken = [other for other in known if other != SILENCE]
-    return nearest_phones(phone, spoken or known)[:1]
+    alike = tuple(other for other in LOOKS_LIKE.get(phone, ()) if other in known)
+    return (alike or nearest_phones(phone, (known - {SILENCE}) or known))[:1]
 
 
-def _lent(phones: tuple[str, ...], index: int) -> str:
-    """Whose mouth a sound of the throat takes: the vowel or glide after it, or that before it."""
-    around = (*phones[index + 1 : index + 2], *phones[max(index - 1, 0) : index])
-    for other in around:
-        if PHONES[other].is_vowel or PHONES[other].manner == "approximant":
-            return other
-    return phones[index]
+def _lender(phones: tuple[str, ...], index: int) -> str:
+    """Whose mouth a sound of the throat takes: of the phones beside it, best a vowel or glide."""
+    beside = (*phones[index + 1 : index + 2], *phones[max(index - 1, 0) : index])
+    rows = [PHONES[other] for other in beside if has_own_mouth(other) and other != SILENCE]
+    open_ones = [row for row in rows if row.is_vowel or row.manner == "approximant"]
+    return (open_ones or rows or [PHONES[WEAKEST]])[0].symbol
 
 
 def known_track(track: PhoneTrack, known: Collection[str]) -> PhoneTrack:
     """The track in phones of `known` alone, each as near to the true one as can be seen.
 
-    A sound of the throat (HH) takes the mouth of the vowel after it, a diphthong is split in the
-    middle into its parts where both are known, and any other phone becomes the nearest of the
-    phone table. Every edge stays; words and stress stay with their phones.
+    A sound of the throat (HH) takes the mouth of the vowel beside it, best the next; a diphthong
+    is split in the middle into its parts where both are known; any other phone becomes the nearest
+    of the phone table. Every edge stays; words and stress stay with their phones.
 
     Args:
         track: any track.
@@ -61,18 +79,18 @@ def known_track(track: PhoneTrack, known: Collection[str]) -> PhoneTrack:
         ValueError: nothing is known, or a symbol that the phone table lacks.
     """
     check_phones(known)
-    if all(phone in known for phone in track.phones):
+    mouths = frozenset(known)
+    if mouths.issuperset(track.phones):
         return track
     phones: list[str] = []
     stress: list[int | None] = []
     edges = [track.start]
     place = [0]  # of each phone of the track, and of its end, among the new ones
     for index, (phone, start, end) in enumerate(track):
-        unknown = phone not in known
-        if unknown and not has_own_mouth(phone):
-            parts = replacement(_lent(track.phones, index), known)[:1]
+        if is_lent(phone, known):
+            parts = replacement(_lender(track.phones, index), mouths)[:1]
         else:
-            parts = replacement(phone, known)
+            parts = replacement(phone, mouths)
         phones += parts
         stress += [track.stress[index]] * len(parts)
         edges += [(start + end) / 2, end] if len(parts) == 2 else [end]
