@@ -1,6 +1,6 @@
 """What every phone looks like: a chart, and every pair of phones in numbers.
 
-    python bench/phones_chart.py -o phones.png                 # the engine dominance
+    python bench/phones_chart.py -o phones.png                 # as lipwright animate
     python bench/phones_chart.py --model MODEL -o phones.png
     python bench/phones_chart.py --model MODEL --pairs pairs.png --csv pairs.csv
 
@@ -22,23 +22,25 @@ import argparse
 import csv
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, fields
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from grid import sentences
 from heads import Ruler, our_head
+from lips import ours
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
+from lipwright.engines import choose_engine
+from lipwright.engines.window import open_network
 from lipwright.evaluate.lips import BILABIALS, CLOSED, CLOSURE_TOLERANCE, SHUT
 from lipwright.files import write_whole
 from lipwright.passes import SPEED_LIMIT
 from lipwright.phones import PHONES, SILENCE
-from lipwright.pipeline import AnimateOptions, animate_track
 from lipwright.track import PhoneTrack
 
-FPS = 60.0
 REST = 0.3  # s of silence at either end
 NEUTRAL = ("AH", 0.12)  # s; in most data, as CMUdict writes it for the schwa
 CONSONANT = 0.15  # s
@@ -91,21 +93,10 @@ def tiles() -> list[Tile]:
     return found
 
 
-def animator(engine: str, model: str | None) -> Animate:
-    """An engine, or the network of a model, with the default passes; without sound."""
-    chosen: dict[str, Any] = {"engine": engine} if model is None else {"model": model}
-    options = AnimateOptions(fps=FPS, **({"engine": "window"} | chosen))
-    return lambda track: animate_track(track, options)
-
-
-def trained_phones(model: str | None) -> frozenset[str]:
+def trained_phones(engine: str | None, model: str | None) -> frozenset[str]:
     """The phones of the training data: of the model, or of GRID, which dominance is fitted to."""
-    if model is not None:
-        from lipwright.network import load_network
-
-        return frozenset(load_network(model).meta.features.phones)
-    from grid import sentences
-
+    if choose_engine(engine, model) == "window":
+        return frozenset(open_network(model).meta.features.phones)
     return frozenset(phone for sentence in sentences("train") for phone in sentence.track.phones)
 
 
@@ -262,15 +253,15 @@ def draw_pairs(path: Path, pairs: list[Pair]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--engine", default="dominance")
-    parser.add_argument("--model", help="a model's name or folder, instead of an engine")
+    parser.add_argument("--engine", help="default: that of lipwright animate")
+    parser.add_argument("--model", help="name or folder of a model, for the engine window")
     parser.add_argument("-o", "--output", type=Path, help="the chart of phones, PNG")
     parser.add_argument("--pairs", type=Path, help="the chart of pairs, PNG; prints what is odd")
     parser.add_argument("--csv", type=Path, help="the figures of the pairs")
     options = parser.parse_args()
-    animate = animator(options.engine, options.model)
+    animate = partial(ours(options.engine, options.model), audio=None)
     if options.output:
-        draw_chart(options.output, animate, trained_phones(options.model))
+        draw_chart(options.output, animate, trained_phones(options.engine, options.model))
     if options.pairs or options.csv:
         pairs = measure_pairs(animate, our_head())
         print_pairs(pairs)

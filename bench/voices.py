@@ -1,8 +1,8 @@
 """How well lips follow speakers that nobody trained on: a stand-in, and what it is worth.
 
-    python bench/voices.py                               # the 50 test sentences, dominance
+    python bench/voices.py                          # the 50 test sentences, default engine
     python bench/voices.py --model MODEL --split test
-    python bench/voices.py --half-names > half.txt       # what to hold out of training
+    python bench/voices.py --half-names > half.txt  # what to hold out of training
     python bench/voices.py --model MODEL --half --first 50
 
 The sound of each sentence gets another pitch and other formants at the same times, so that the
@@ -22,7 +22,6 @@ from __future__ import annotations
 import argparse
 import json
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -32,18 +31,15 @@ import numpy.typing as npt
 
 from grid import CACHE, CORPORA, Sentence, sentences
 from heads import Ruler, rulers
-from lipwright.audio import Audio, AudioFile, open_audio, read_audio, write_flac
-from lipwright.clip import Clip
+from lips import Animator, ours
+from lipwright.audio import Audio, read_audio, write_flac
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
 from lipwright.files import write_whole
-from lipwright.pipeline import ALIGNMENT_RATE, AnimateOptions, align_speech, animate_track
+from lipwright.pipeline import align_speech
 from lipwright.track import PhoneTrack
 
-FPS = 60.0
 LOUDEST = 0.99  # of full scale; a shifted voice must not clip
-
-Animator = Callable[[PhoneTrack, AudioFile], Clip]
 
 
 @dataclass(frozen=True)
@@ -118,13 +114,6 @@ def half(corpora: Path = CORPORA) -> list[Sentence]:
     return sentences("train", corpora)[1::2]
 
 
-def animator(engine: str, model: str | None) -> Animator:
-    """An engine, or the network of a model, with the passes that `lipwright animate` applies."""
-    chosen: dict[str, Any] = {"engine": engine} if model is None else {"model": model}
-    options = AnimateOptions(fps=FPS, **({"engine": "window"} | chosen))
-    return lambda track, sound: animate_track(track, options, sound)
-
-
 @dataclass(frozen=True)
 class Figures:
     """What a voice gives."""
@@ -158,8 +147,7 @@ def measure(
             failures.append(f"{sentence.name}: {error}")
             continue
         edges.append(edge_errors(sentence.track, track))
-        with open_audio(path, ALIGNMENT_RATE) as sound:
-            clip = animate(track, sound)
+        clip = animate(track, path)
         for head, ruler in heads.items():
             estimated = Aperture(clip.times, ruler(clip))
             scores[head].append(evaluate(sentence.aperture, estimated, sentence.track))
@@ -186,8 +174,8 @@ def print_table(rows: dict[str, Figures]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--engine", default="dominance")
-    parser.add_argument("--model", help="a model's name or folder, instead of an engine")
+    parser.add_argument("--engine", help="default: that of lipwright animate")
+    parser.add_argument("--model", help="name or folder of a model, for the engine window")
     parser.add_argument("--split", default="test", choices=["all", "test", "validation", "train"])
     parser.add_argument("--half", action="store_true", help="the held-out half of the train split")
     parser.add_argument("--half-names", action="store_true", help="print the names of that half")
@@ -201,7 +189,7 @@ def main() -> None:
         return
     found = half(options.corpora) if options.half else sentences(options.split, options.corpora)
     chosen = found[: options.first]
-    animate, heads = animator(options.engine, options.model), rulers(options.corpora)
+    animate, heads = ours(options.engine, options.model), rulers(options.corpora)
     rows = {"as recorded": measure(chosen, None, animate, heads)}
     for voice in options.voices:
         rows[voice] = measure(chosen, voice, animate, heads)
