@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.features.timeline import Floats, Timeline
+from lipwright.features.timeline import CODES, ROUNDING, Floats, Timeline
+from lipwright.phones import SILENCE
 
 SIGHT: Final = 0.5  # s; no number depends on what is said further away from its frame
 SHORTEST: Final = 0.01  # s, under the logarithm
@@ -39,8 +40,8 @@ def timing(line: Timeline, times: Floats) -> npt.NDArray[np.float32]:
     duration = np.maximum(since + left, SHORTEST)
     earlier = np.where(here > 0, starts[here] - np.maximum(starts[before], first), 0)
     later = np.where(here < after, np.minimum(ends[after], last) - ends[here], 0)
-    spoken = starts[line.codes != 0]  # silence is the first row of the phone table
-    begun = np.searchsorted(spoken, last, "right") - np.searchsorted(spoken, first, "right")
-    rate = np.log1p(begun / (2 * SIGHT))
+    spoken = starts[line.codes != CODES[SILENCE]]
+    seen = np.searchsorted(spoken, np.stack((first, last)) + ROUNDING, "right")
+    rate = np.log1p((seen[1] - seen[0]) / (2 * SIGHT))
     columns = (since / duration, _log(duration), _log(earlier), _log(later), since, left, rate)
     return np.stack(columns, axis=1).astype(np.float32)
