@@ -127,6 +127,15 @@ def test_attributes_are_those_of_the_true_phone() -> None:
     }  # fmt: skip
 
 
+def test_a_sound_of_the_throat_has_the_attributes_of_the_mouth_that_it_takes() -> None:
+    kinds = ("attributes", "transitions")
+    times = np.arange(0.05, 0.4, 0.1)
+    hay, ay = track_of("sil HH OY sil"), track_of("sil OY OY sil")
+    lent, own = (FeatureSet(kinds, 3, 10, phones) for phones in (("sil", "AO"), ("sil", "HH")))
+    np.testing.assert_array_equal(lent.windows(hay, times), lent.windows(ay, times))
+    assert "glottal at frame 1" in ones(own, own.windows(hay, times)[1])
+
+
 def test_transitions_are_of_a_frame_and_the_next() -> None:
     features = FeatureSet(("transitions",), 3, 10, ("sil",))
     rows = features.windows(track_of("B IY N"), [0.05, 0.15, 0.25])

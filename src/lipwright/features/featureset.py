@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
-from lipwright.features.known import check_phones, is_lent, known_track
+from lipwright.features.known import check_phones, is_lent, known_track, lent_track
 from lipwright.features.linguistic import (
     ATTRIBUTES,
     TRANSITIONS,
@@ -183,15 +183,16 @@ class FeatureSet:
         For a track that grows: `frames` at times before this, and so windows whose frames all
         lie before it, are final.
         """
-        until = track.end
-        if {"raw", "spans"} & set(self.kinds) and is_lent(track.phones[-1], self.phones):
-            until = float(track.edges[-2])
-        ahead = {"transitions": 1 / self.fps, "timing": SIGHT}
-        until = min(until, track.end - max(ahead.get(kind, 0.0) for kind in self.kinds))
+        lent = is_lent(track.phones[-1], self.phones)
+        until = float(track.edges[-2]) if lent else track.end
+        if "transitions" in self.kinds:
+            until -= 1 / self.fps
+        if "timing" in self.kinds:
+            until = min(until, track.end - SIGHT)
         return until - 2 * ROUNDING
 
     def _spans(self, track: PhoneTrack, times: Floats) -> tuple[Indices, Indices]:
-        line = self._known(track)
+        _, line = _timelines(track, self.phones)
         run = line.at(times)
         return spans(run, self._columns[line.codes[run]], self.window)
 
@@ -206,7 +207,7 @@ class FeatureSet:
         return stop - first, np.clip(np.arange(first - half, stop + half), 0, count - 1)
 
     def _frames(self, track: PhoneTrack, times: Floats, sound: Values | None) -> Values:
-        line, known = timeline(track), self._known(track)
+        line, known = _timelines(track, self.phones)
         parts: list[Values] = []
         if "raw" in self.kinds:
             one_hot = np.eye(len(self.phones), dtype=np.float32)
@@ -229,9 +230,6 @@ class FeatureSet:
         columns = np.full(len(CODES), -1, np.int64)
         columns[[CODES[phone] for phone in self.phones]] = np.arange(len(self.phones))
         return columns
-
-    def _known(self, track: PhoneTrack) -> Timeline:
-        return timeline(_known_track(track, self.phones))
 
     def _clock(self, times: npt.ArrayLike) -> Floats:
         clock = np.asarray(times, np.float64)
@@ -284,8 +282,10 @@ class FeatureSet:
 
 
 @lru_cache(maxsize=16)
-def _known_track(track: PhoneTrack, phones: tuple[str, ...]) -> PhoneTrack:
-    return known_track(track, frozenset(phones))
+def _timelines(track: PhoneTrack, phones: tuple[str, ...]) -> tuple[Timeline, Timeline]:
+    """The mouths of a track, and the same in phones with a column."""
+    known = frozenset(phones)
+    return timeline(lent_track(track, known)), timeline(known_track(track, known))
 
 
 def _sound_names() -> tuple[str, ...]:

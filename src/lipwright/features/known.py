@@ -64,6 +64,20 @@ def _lender(phones: tuple[str, ...], index: int) -> str:
     return (open_ones or rows or [PHONES[WEAKEST]])[0].symbol
 
 
+def lent_track(track: PhoneTrack, known: Collection[str]) -> PhoneTrack:
+    """The track with sounds of the throat that are not known as the phones whose mouth they take.
+
+    HH AE is AE AE, and HH alone is AX. Edges, words and stress stay.
+    """
+    if not any(is_lent(phone, known) for phone in track.phones):
+        return track
+    phones = (
+        _lender(track.phones, index) if is_lent(phone, known) else phone
+        for index, phone in enumerate(track.phones)
+    )
+    return replace(track, phones=tuple(phones))
+
+
 def known_track(track: PhoneTrack, known: Collection[str]) -> PhoneTrack:
     """The track in phones of `known` alone, each as near to the true one as can be seen.
 
@@ -86,11 +100,10 @@ def known_track(track: PhoneTrack, known: Collection[str]) -> PhoneTrack:
     stress: list[int | None] = []
     edges = [track.start]
     place = [0]  # of each phone of the track, and of its end, among the new ones
-    for index, (phone, start, end) in enumerate(track):
-        if is_lent(phone, known):
-            parts = replacement(_lender(track.phones, index), mouths)[:1]
-        else:
-            parts = replacement(phone, mouths)
+    for index, (phone, start, end) in enumerate(lent_track(track, mouths)):
+        parts = replacement(phone, mouths)
+        if is_lent(track.phones[index], mouths):
+            parts = parts[:1]  # on its way into a diphthong
         phones += parts
         stress += [track.stress[index]] * len(parts)
         edges += [(start + end) / 2, end] if len(parts) == 2 else [end]
