@@ -16,16 +16,12 @@ import numpy.typing as npt
 from lipwright.clip import frame_times
 from lipwright.engines.resample import Resampler
 from lipwright.engines.window import CHUNK_FRAMES, FrameMean, Values, arrange, clip_names, predict
-from lipwright.features.timeline import ROUNDING
 from lipwright.features.timing import SIGHT
 from lipwright.network import Network
 from lipwright.phones import PHONES
 from lipwright.track import PhoneTrack
 
-# An unknown phone may take the mouth of the one after it, and a diphthong is split in its middle:
-# both the phone of a frame and the next must be whole.
-PHONES_AHEAD: Final = 1
-PHONES_BEHIND: Final = 2  # kept before what is seen, for the same on the other side
+PHONES_BEHIND: Final = 2  # kept before what is seen: a sound of the throat takes a mouth beside it
 TOUCHING: Final = 1e-6  # s between the end of a phone and the start of the next
 
 
@@ -39,7 +35,8 @@ class Stream:
         show(stream.finish())
 
     A frame is sure when all is known that its network and its neighbours' see, `look_ahead` s
-    after it, and the phone that is said then and the next have ended.
+    after it: when the phone that is said then has ended, and where that is a sound of the throat
+    that the network never learnt (HH), the next, whose mouth it takes.
     """
 
     def __init__(self, network: Network, fps: float, *, sound: bool = False) -> None:
@@ -155,8 +152,8 @@ class Stream:
 
     def _known_frames(self) -> int:
         """How many frames of the network's clock have features that can no longer change."""
-        until = min(self._edges[-1 - PHONES_AHEAD], self._edges[-1] - self._sight)
-        count = math.ceil((until - 2 * ROUNDING) * self._network.meta.features.fps)
+        features = self._network.meta.features
+        count = math.ceil(features.settled(self._track()) * features.fps)
         return max(min(count, self._heard + len(self._sound)) if self._listens else count, 0)
 
     def _advance(self, stop: int, known: int) -> Values:
@@ -176,9 +173,12 @@ class Stream:
         last = min(stop + features.window // 2, known)
         times = np.arange(first, last) / features.fps
         rows = self._sound[first - self._heard : last - self._heard]
-        track = PhoneTrack(tuple(self._phones), np.array(self._edges))
         sound = np.stack(rows) if self._listens else None
-        return predict(self._network, track, times, slice(self._next - first, stop - first), sound)
+        part = slice(self._next - first, stop - first)
+        return predict(self._network, self._track(), times, part, sound)
+
+    def _track(self) -> PhoneTrack:
+        return PhoneTrack(tuple(self._phones), np.array(self._edges))
 
     def _forget(self) -> None:
         """Drop what no window to come can see."""
