@@ -20,21 +20,33 @@ import os
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.controls import ARKIT, GROUPS
 from lipwright.engines.window import CHUNK_FRAMES, FrameMean
 from lipwright.files import write_whole
 from lipwright.network import Network, load_network
 from lipwright.network.meta import MODEL_FILE
+from lipwright.phones import SILENCE
+from lipwright.track import PhoneTrack
+
+if TYPE_CHECKING:
+    from lipwright.train.takes import Corpus
 
 ROUNDS = 7
 PRODUCT = (CHUNK_FRAMES, 3000, 3000)  # a hidden layer of Taylor et al. 2017 on one chunk
 FRAMES = 4 * CHUNK_FRAMES  # of each round
-ASKED = {"window": "55 % of the machine's rate", "lipwright": "30000 frames/s"}
+VIDEO_FPS = 25.0
+CMU = (
+    "AA", "AE", "AH", "AO", "AW", "AY", "B", "CH", "D", "DH", "EH", "ER", "EY", "F", "G", "HH",
+    "IH", "IY", "JH", "K", "L", "M", "N", "NG", "OW", "OY", "P", "R", "S", "SH", "T", "TH", "UH",
+    "UW", "V", "W", "Y", "Z", "ZH",
+)  # fmt: skip
 
 Floats = npt.NDArray[np.float32]
 
@@ -138,9 +150,46 @@ def measure(network: Network, rounds: int) -> Speed:
     )  # fmt: skip
 
 
-def random_models(folder: Path) -> dict[str, Network]:
-    """Configuration to a network of its shape with random weights."""
-    raise NotImplementedError
+def random_models(folder: Path, configs: list[str]) -> dict[str, Network]:
+    """Configuration to a network of its shape with random weights, exported as training does."""
+    from lipwright.train.config import load_config
+    from lipwright.train.data import make_data
+    from lipwright.train.export import write_model
+    from lipwright.train.loop import network_of
+
+    found = {}
+    for name in configs:
+        config = replace(load_config(name), targets="arkit", controls=None)
+        data = make_data(random_corpus("sound" in config.features), config)
+        members = [network_of(config, data).state_dict() for _ in range(config.members)]
+        place = folder / str(len(found))
+        place.mkdir()
+        facts = {"licence": "", "data": "random numbers", "metrics": {}}
+        write_model(place, config, data, members, facts)
+        found[name] = load_network(place)
+    return found
+
+
+def random_corpus(has_sound: bool) -> Corpus:
+    """One recording that says every phone of CMUdict, with ARKit weights of the lower face."""
+    from lipwright.train.data import HEARD
+    from lipwright.train.takes import SPOKEN, Corpus, Take
+
+    rng = np.random.default_rng(0)
+    phones = (SILENCE, *CMU) * HEARD
+    track = PhoneTrack(phones, 0.08 * np.arange(len(phones) + 1))
+    times = np.arange(int(track.end * VIDEO_FPS)) / VIDEO_FPS
+    lower = [name for group in SPOKEN for name in GROUPS[group]]
+    controls = tuple(name for name in ARKIT if name in lower)
+    heard = None
+    if has_sound:
+        from lipwright.features.sound import SOUND_NAMES
+
+        heard = rng.random((len(times), len(SOUND_NAMES)), np.float32)
+    targets = rng.random((len(times), len(controls)), np.float32)
+    take = Take("random", times, targets, np.ones(len(times), bool), track, heard)
+    splits: dict[str, tuple[Take, ...]] = {"train": (take,), "validation": (take,), "test": ()}
+    return Corpus(splits, controls, VIDEO_FPS, "random", "")
 
 
 def time_animate(model: str, length: float) -> dict[str, float]:
@@ -163,6 +212,8 @@ def time_animate(model: str, length: float) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("models", nargs="*", help="names or folders; none for random weights")
+    parser.add_argument("--configs", nargs="+", default=["window", "thesis", "lipwright"],
+                        help="configurations to draw random weights for")  # fmt: skip
     parser.add_argument("--rounds", type=int, default=ROUNDS)
     parser.add_argument("--animate", action="store_true", help="also 65 s of speech")
     parser.add_argument("--json", type=Path, help="also write the figures to this file")
@@ -170,7 +221,7 @@ def main() -> None:
     figures = {}
     with tempfile.TemporaryDirectory() as name:
         networks = {model: load_network(model) for model in options.models}
-        networks = networks or random_models(Path(name))
+        networks = networks or random_models(Path(name), options.configs)
         print(f"{len(os.sched_getaffinity(0))} cores, {FRAMES} frames a round")
         for label, network in networks.items():
             speed = measure(network, options.rounds)
