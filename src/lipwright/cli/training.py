@@ -1,0 +1,96 @@
+"""`lipwright train` and `lipwright tune`."""
+
+from __future__ import annotations
+
+import json
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lipwright.cli.progress import keeps, progress_option, progress_report, say
+from lipwright.errors import MissingExtraError
+
+TRAIN_EXAMPLES = """\b
+Examples:
+  lipwright train anna --config thesis -o anna-model
+  lipwright train grid --config window --targets joint -o grid-joint
+  lipwright train grid --config mine.json --seed 2 --epochs 30 -o second
+\b
+Train again what was interrupted by the same command: it goes on, with the same result.
+"""
+
+config_option = click.option(
+    "--config", "-c", default="window", show_default=True,
+    help="Name of a configuration (window, thesis, lipwright), or a JSON file.",
+)  # fmt: skip
+dataset_argument = click.argument("path", metavar="DATASET", type=Path)
+face_option = click.option(
+    "--face", type=Path, help="Reference face of the modes.  [default: DATASET-face.npz]"
+)
+
+
+@click.command(epilog=TRAIN_EXAMPLES)
+@dataset_argument
+@config_option
+@click.option("-o", "--output", "out", type=Path, required=True, help="Folder of the model.")
+@click.option("--targets", type=click.Choice(["arkit", "shape", "joint"]), help="What to predict.")
+@click.option("--seed", type=click.IntRange(0), help="Another number gives another network.")
+@click.option("--epochs", type=click.IntRange(1), help="The most passes over the data.")
+@click.option("--fps", type=click.FloatRange(1, 1000), help="Frames a second of the network.")
+@click.option("--name", help="Name of the model; else that of the configuration.")
+@face_option
+@click.option("--licence", default="", help="Licence of the weights, for card and meta.json.")
+@click.option("--force", is_flag=True, help="Replace a finished model, or start anew.")
+@progress_option
+def train(
+    path: Path, config: str, out: Path, targets: str | None, seed: int | None,
+    epochs: int | None, fps: float | None, name: str | None, face: Path | None, licence: str,
+    force: bool, progress: str,
+) -> None:  # fmt: skip
+    """Train a network that moves a face as the recordings of a dataset do."""
+    _need_extra()
+    from lipwright.train.config import load_config, override
+    from lipwright.train.run import TrainOptions, part_of
+    from lipwright.train.run import train as run
+
+    given = {"targets": targets, "seed": seed, "epochs": epochs, "fps": fps, "name": name}
+    changes = {key: value for key, value in given.items() if value is not None}
+    chosen = override(load_config(config), changes, config)
+    keeps(f"what was learnt is kept in {part_of(out)}; run the same command to go on")
+    with progress_report(progress) as report:
+        trained = run(
+            path, chosen, out, TrainOptions(face, licence, force), report,
+            tell=lambda epoch: _tell(epoch, progress),
+        )  # fmt: skip
+    if progress != "json":
+        figures = list(trained.metrics.items())[-1]
+        say(f"{out}: {_said(*figures)}; see {out / 'card.md'}")
+
+
+def _said(split: str, figures: dict[str, Any]) -> str:
+    error, r = figures["error"], figures["aperture_r"]
+    lips = "" if r is None else f", lips r {r:.3f}"
+    return f"{split} error {error:.3f}{lips}"
+
+
+def _tell(epoch: dict[str, Any], progress: str) -> None:
+    if progress == "json":
+        say(json.dumps(epoch))
+    elif progress == "auto":
+        say(
+            f"epoch {epoch['epoch']}: train {epoch['train']:.4g}, validation "
+            f"{epoch['validation']:.4g}, rate {epoch['rate']:g}, {epoch['seconds']:.1f} s"
+        )
+
+
+def _need_extra() -> None:
+    """Refuse to begin without the packages of the extra.
+
+    Raises:
+        MissingExtraError: one is not installed.
+    """
+    for package in ("torch", "onnx", "optuna", "matplotlib"):
+        if find_spec(package) is None:
+            raise MissingExtraError(f"{package}, which training needs,", "train")

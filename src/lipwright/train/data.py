@@ -1,0 +1,245 @@
+"""Arrays that networks learn from: all frames of a split end to end, and windows cut from them.
+
+A window is made when a batch asks for it: those of Taylor et al. 2017 would fill gigabytes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from lipwright.features import KINDS as FEATURE_KINDS
+from lipwright.features import FeatureSet
+from lipwright.features.known import seen_phones
+from lipwright.phones import SILENCE
+from lipwright.train.config import Config
+from lipwright.train.takes import Corpus, Take
+
+Floats = npt.NDArray[np.float64]
+Splits = dict[str, "Arrays"]
+
+HEARD: Final = 3  # times in training from which a phone has columns of its own
+STILL: Final = 1e-6  # standard deviation under which a value counts as constant
+
+
+def feature_set(config: Config, corpus: Corpus) -> FeatureSet:
+    """What the network sees: the phones of the configuration, or those heard in training."""
+    takes = corpus.of("train")
+    phones = config.phones
+    if phones is None:
+        count = Counter(phone for take in takes for phone in take.track.phones)
+        seen = seen_phones(take.track for take in takes)
+        phones = tuple(phone for phone in seen if phone == SILENCE or count[phone] >= HEARD)
+    phones = (SILENCE, *(phone for phone in phones if phone != SILENCE))
+    kinds = tuple(kind for kind in FEATURE_KINDS if kind in config.features)
+    return FeatureSet(kinds, config.input_window, corpus.fps, phones)
+
+
+@dataclass(frozen=True, eq=False)
+class Scaling:
+    """Means and standard deviations that the network does without: they are in the ONNX graph."""
+
+    input_mean: Floats
+    """(F,) of one frame; 0 for columns of 0 and 1"""
+    input_sd: Floats
+    """(F,); 1 for columns of 0 and 1"""
+    mean: Floats
+    """(C,) of the targets"""
+    sd: Floats
+    """(C,) that the loss divides by"""
+    spread: Floats
+    """(C,) standard deviations of the targets in training, whatever the loss divides by"""
+
+
+def find_scaling(takes: Sequence[Take], features: FeatureSet, config: Config) -> Scaling:
+    """The scaling of a configuration, out of the frames for training."""
+    rows = np.concatenate([features.frames(t.track, t.times, t.sound) for t in takes])
+    numbers = ~np.isin(rows, (0, 1)).all(axis=0)
+    input_mean = np.where(numbers, rows.mean(axis=0, dtype=np.float64), 0)
+    input_sd = np.where(numbers, _spread(rows), 1)
+    targets = np.concatenate([take.targets[take.valid] for take in takes])
+    mean, spread = targets.mean(axis=0, dtype=np.float64), _spread(targets)
+    if config.scaling == "none":
+        mean, sd = np.zeros_like(mean), np.ones_like(spread)
+    elif config.scaling == "common":
+        sd = np.full_like(spread, np.sqrt(targets.var(axis=0, dtype=np.float64).mean()))
+    else:
+        sd = spread
+    return Scaling(input_mean, input_sd, mean, sd, spread)
+
+
+def _spread(rows: npt.NDArray[np.float32]) -> Floats:
+    found = rows.std(axis=0, dtype=np.float64)
+    return np.where(found > STILL, found, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Arrays:
+    """N frames of several takes. Around each take its end frames repeat, as windows see them."""
+
+    takes: tuple[Take, ...]
+    features: FeatureSet
+    frames: Tensor
+    """(R, F) scaled features, R rows for N frames and those around the takes"""
+    targets: Tensor
+    """(R, C) scaled"""
+    mask: Tensor
+    """(R,) 1 where a face was seen, else 0"""
+    rows: Tensor
+    """(N,) which of the R rows each frame is"""
+    starts: tuple[int, ...]
+    """index of the first frame of each take, and N"""
+    span_columns: Tensor
+    """which spans are there, window after window"""
+    span_starts: Tensor
+    """(N + 1,) where those of each window begin"""
+
+    def __len__(self) -> int:
+        """N."""
+        return len(self.rows)
+
+    def windows(self, chosen: Tensor) -> Tensor:
+        """(B, D), the windows around the frames `chosen` (B,)."""
+        half = self.features.window // 2
+        flat = self._cut(chosen, half, half).flatten(start_dim=1)
+        if "spans" not in self.features.kinds:
+            return flat
+        whole = torch.zeros(len(chosen), self.features.size)
+        whole[:, : flat.shape[1]] = flat
+        first = self.span_starts[chosen]
+        counts = self.span_starts[chosen + 1] - first
+        line = torch.repeat_interleave(torch.arange(len(chosen)), counts)
+        before = counts.cumsum(0) - counts
+        place = torch.arange(len(line)) + (first - before)[line]
+        whole[line, flat.shape[1] + self.span_columns[place]] = 1
+        return whole
+
+    def stretches(self, chosen: Tensor, length: int) -> Tensor:
+        """(B, W, F), what convolutions need for `length` frames from `chosen` (B,) on."""
+        half = self.features.window // 2
+        return self._cut(chosen, half, length - 1 + half)
+
+    def _cut(self, chosen: Tensor, before: int, after: int) -> Tensor:
+        return self.frames[self.rows[chosen, None] + torch.arange(-before, after + 1)]
+
+    def reference(self, chosen: Tensor, before: int, after: int) -> tuple[Tensor, Tensor]:
+        """Controls (B, L, C) and mask (B, L) from `before` frames before to `after` after."""
+        rows = self.rows[chosen, None] + torch.arange(-before, after + 1)
+        return self.targets[rows], self.mask[rows]
+
+
+def make_arrays(
+    takes: Sequence[Take], features: FeatureSet, scaling: Scaling, config: Config
+) -> Arrays:
+    """The arrays of some takes."""
+    pad = max(config.input_window, config.output_window) // 2
+    frames, targets, masks, rows, columns, counts = [], [], [], [], [], []
+    starts, row = [0], 0
+    for take in takes:
+        count = len(take.times)
+        seen = features.frames(take.track, take.times, take.sound)
+        frames.append(_with_ends((seen - scaling.input_mean) / scaling.input_sd, pad))
+        apart = (take.targets - scaling.mean) / scaling.sd
+        targets.append(_with_ends(np.where(take.valid[:, None], apart, 0), pad))
+        masks.append(_with_ends(take.valid, pad))
+        rows.append(row + pad + np.arange(count))
+        row += count + 2 * pad
+        starts.append(starts[-1] + count)
+        if "spans" in features.kinds:
+            line, column = features.span_indices(take.track, take.times)
+            columns.append(column)
+            counts.append(np.bincount(line, minlength=count))
+    held = np.concatenate([[0], *counts]).cumsum()
+    return Arrays(
+        tuple(takes), features, _joined(frames), _joined(targets), _joined(masks),
+        torch.from_numpy(np.concatenate(rows)), tuple(starts),
+        torch.from_numpy(np.concatenate([np.empty(0, np.int64), *columns])),
+        torch.from_numpy(held.astype(np.int64)),
+    )  # fmt: skip
+
+
+def _with_ends(values: npt.NDArray[np.generic], pad: int) -> npt.NDArray[np.float32]:
+    """Frames with the first and last one repeated."""
+    around = ((pad, pad), *((0, 0),) * (values.ndim - 1))
+    return np.pad(values, around, mode="edge").astype(np.float32)
+
+
+def _joined(parts: Sequence[npt.NDArray[np.float32]]) -> Tensor:
+    return torch.from_numpy(np.concatenate(parts))
+
+
+def batches(arrays: Arrays, config: Config, random: np.random.Generator) -> Iterator[Tensor]:
+    """The frames of each step of an epoch, in random order.
+
+    They are the middles of windows, or the firsts of stretches of `stretch_of` frames.
+    """
+    if config.batch == 0 and not config.is_sequence:
+        for take in random.permutation(len(arrays.takes)):
+            yield torch.arange(arrays.starts[take], arrays.starts[take + 1])
+        return
+    order = random.permutation(_firsts(arrays, config, random))
+    for part in np.array_split(order, range(config.batch or 1, len(order), config.batch or 1)):
+        yield torch.from_numpy(part)
+
+
+def stretch_of(arrays: Arrays, config: Config) -> int:
+    """How many frames one example of a batch gives: Ky of windows."""
+    if not config.is_sequence:
+        return config.output_window
+    return min(config.stretch, *(len(take.times) for take in arrays.takes))
+
+
+def _firsts(arrays: Arrays, config: Config, random: np.random.Generator) -> npt.NDArray[np.int64]:
+    if not config.is_sequence:
+        return np.arange(len(arrays))
+    length = stretch_of(arrays, config)
+    firsts = []
+    for start, stop in pairwise(arrays.starts):
+        shift = int(random.integers(length))
+        places = np.arange(start - shift, stop, length)
+        firsts.append(np.unique(np.clip(places, start, stop - length)))
+    return np.concatenate(firsts)
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """All that a training learns from and is judged by."""
+
+    corpus: Corpus
+    features: FeatureSet
+    scaling: Scaling
+    train: Arrays
+    validation: Arrays
+    test: Arrays | None
+    """None where the dataset keeps no recording for the test"""
+
+    @property
+    def inputs(self) -> int:
+        """Columns of a frame."""
+        return self.features.frame_size
+
+    @property
+    def controls(self) -> tuple[str, ...]:
+        """C names."""
+        return self.corpus.controls
+
+
+def make_data(corpus: Corpus, config: Config) -> Data:
+    """The arrays of a corpus as a configuration wants them."""
+    features = feature_set(config, corpus)
+    scaling = find_scaling(corpus.of("train"), features, config)
+    train, validation, test = (
+        make_arrays(corpus.of(split), features, scaling, config) if corpus.of(split) else None
+        for split in ("train", "validation", "test")
+    )
+    assert train is not None
+    assert validation is not None
+    return Data(corpus, features, scaling, train, validation, test)

@@ -1,0 +1,206 @@
+"""The training itself, an epoch at a time; after each, its state is on the disk.
+
+Every random number follows from the seed, the member and the number of the epoch, so that a
+training that was killed and goes on gives the same weights as one that was not.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lipwright.errors import LipwrightError
+from lipwright.train.checkpoint import Checkpoint, Weights
+from lipwright.train.config import Config, Rates
+from lipwright.train.data import Arrays, Data, Scaling, batches, stretch_of
+from lipwright.train.losses import squared_error, total_loss
+from lipwright.train.networks import Net, make_network, make_optimizer
+from lipwright.train.takes import Report
+
+Keep = Callable[[Checkpoint], None]
+
+CHUNK: Final = 2048  # windows that are predicted at once
+
+
+def fit(config: Config, data: Data, state: Checkpoint, report: Report, keep: Keep) -> None:
+    """Train all members, or those that are not done.
+
+    Args:
+        config: of the training.
+        data: to learn from.
+        state: where to begin; at the end it has the best weights of each member.
+        report: told how far it is.
+        keep: given the state after each epoch, to write it down.
+
+    Raises:
+        LipwrightError: the loss grew beyond all bounds.
+    """
+    with deterministic():
+        while len(state.members) < config.members:
+            _fit_member(config, data, state, report, keep)
+
+
+@contextmanager
+def deterministic() -> Iterator[None]:
+    """Only algorithms that give the same bits each time, and a generator of our own."""
+    before = torch.are_deterministic_algorithms_enabled()
+    torch.use_deterministic_algorithms(True)
+    try:
+        with torch.random.fork_rng(devices=[]):
+            yield
+    finally:
+        torch.use_deterministic_algorithms(before)
+
+
+def _seed(config: Config, member: int, epoch: int) -> np.random.Generator:
+    """Seed torch for an epoch; the generator for its order. Epoch 0 draws the first weights."""
+    sequence = np.random.SeedSequence([config.seed, member, epoch])
+    torch.manual_seed(int(sequence.generate_state(1)[0]))
+    return np.random.default_rng(sequence)
+
+
+def network_of(config: Config, data: Data, weights: Weights | None = None) -> Net:
+    """The network of a configuration, with weights that were learnt."""
+    columns = data.features.frame_size if config.is_sequence else data.features.size
+    network = make_network(config, columns, len(data.controls))
+    if weights is not None:
+        network.load_state_dict(weights)
+    return network
+
+
+def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, keep: Keep) -> None:
+    """Train the next member to its end."""
+    member = len(state.members)
+    _seed(config, member, 0)
+    network = network_of(config, data, state.weights)
+    optimizer = make_optimizer(config, network)
+    if state.optimizer is not None:
+        optimizer.load_state_dict(state.optimizer)
+    while len(state.members) == member:
+        epochs = state.epochs(member)
+        number, rate = len(epochs) + 1, rate_at(config.rates, config.epochs, epochs)
+        for group in optimizer.param_groups:
+            group["lr"] = rate
+
+        def tick(share: float, number: int = number) -> None:
+            done = member + (number - 1 + share) / config.epochs
+            report("train", done / config.members)
+
+        begun = time.perf_counter()
+        loss = _run_epoch(config, data.train, network, optimizer, (member, number), tick)
+        judged = judge(predict(network, data.validation), data.validation, data.scaling)
+        epoch = {
+            "member": member, "epoch": number, "rate": rate, "train": loss, **judged,
+            "seconds": round(time.perf_counter() - begun, 3),
+        }  # fmt: skip
+        _refuse_endless(epoch)
+        state.history.append(epoch)
+        if all(epoch["validation"] < old["validation"] for old in epochs):
+            state.best = {key: value.clone() for key, value in network.state_dict().items()}
+        state.weights, state.optimizer = network.state_dict(), optimizer.state_dict()
+        if is_done(config, state.epochs(member)):
+            _finish_member(state)
+        keep(state)
+
+
+def _finish_member(state: Checkpoint) -> None:
+    assert state.best is not None
+    state.members.append(state.best)
+    state.weights = state.best = state.optimizer = None
+
+
+def _refuse_endless(epoch: dict[str, Any]) -> None:
+    if not all(math.isfinite(epoch[loss]) for loss in ("train", "validation")):
+        raise LipwrightError(
+            f"epoch {epoch['epoch']}: the loss grew beyond all bounds at the rate "
+            f"{epoch['rate']:g}; lower 'rates.first' of the configuration"
+        )
+
+
+def is_done(config: Config, epochs: list[dict[str, Any]]) -> bool:
+    """Whether a member has trained enough: all epochs, or too many without a validation gain."""
+    if not epochs:
+        return False
+    losses = [epoch["validation"] for epoch in epochs]
+    since = len(losses) - 1 - losses.index(min(losses))
+    return len(losses) >= config.epochs or (
+        config.patience is not None and since >= config.patience
+    )
+
+
+def rate_at(rates: Rates, total: int, epochs: list[dict[str, Any]]) -> float:
+    """The learning rate of the epoch after `epochs`, of `total` at most."""
+    if rates.schedule == "cosine":
+        return rates.first * (1 + math.cos(math.pi * len(epochs) / total)) / 2
+    if rates.schedule == "constant":
+        return rates.first
+    losses = [epoch[rates.watches] for epoch in epochs]
+    falls = sum(later > earlier for earlier, later in pairwise(losses))
+    return float(rates.first * 10.0 ** -(falls // 2) * (0.5 if falls % 2 else 1.0))
+
+
+def _run_epoch(
+    config: Config, arrays: Arrays, network: Net, optimizer: torch.optim.Optimizer,
+    place: tuple[int, int], tick: Callable[[float], None],
+) -> float:  # fmt: skip
+    """One pass over the frames for training; the mean loss of its steps."""
+    random = _seed(config, *place)
+    length = stretch_of(arrays, config)
+    half = 0 if config.is_sequence else length // 2
+    steps = list(batches(arrays, config, random))
+    network.train()
+    total = weight = 0.0
+    for number, chosen in enumerate(steps):
+        inputs = arrays.stretches(chosen, length) if config.is_sequence else arrays.windows(chosen)
+        reference, mask = arrays.reference(chosen, half, length - 1 - half)
+        optimizer.zero_grad(set_to_none=True)
+        loss = total_loss(config.loss, network, reference, network(inputs), mask)
+        loss.backward()  # type: ignore[no-untyped-call]
+        optimizer.step()
+        total += loss.item() * len(chosen)
+        weight += len(chosen)
+        tick((number + 1) / len(steps))
+    return total / weight
+
+
+@torch.no_grad()
+def predict(network: Net, arrays: Arrays) -> Tensor:
+    """(N, C), scaled controls; windows that overlap are averaged frame by frame."""
+    network.eval()
+    if network.is_sequence:
+        parts = [
+            network(arrays.stretches(torch.tensor([start]), stop - start))[0]
+            for start, stop in pairwise(arrays.starts)
+        ]
+        return torch.cat(parts)
+    sums = torch.zeros(len(arrays.frames), arrays.targets.shape[1])
+    counts = torch.zeros(len(arrays.frames), 1)
+    for chosen in torch.split(torch.arange(len(arrays)), CHUNK):
+        values = network(arrays.windows(chosen))
+        half = values.shape[1] // 2
+        rows = (arrays.rows[chosen, None] + torch.arange(-half, half + 1)).flatten()
+        sums.index_add_(0, rows, values.flatten(0, 1))
+        counts.index_add_(0, rows, torch.ones(len(rows), 1))
+    return sums[arrays.rows] / counts[arrays.rows]
+
+
+def judge(estimated: Tensor, arrays: Arrays, scaling: Scaling) -> dict[str, float]:
+    """The squared error of (N, C).
+
+    `validation` is as the loss scales controls, `error` in standard deviations of each, by which
+    configurations that scale otherwise compare.
+    """
+    reference, mask = arrays.targets[arrays.rows][None], arrays.mask[arrays.rows][None]
+    ratio = torch.from_numpy((scaling.sd / scaling.spread).astype(np.float32))
+    return {
+        "validation": squared_error(reference, estimated[None], mask).item(),
+        "error": squared_error(reference * ratio, estimated[None] * ratio, mask).item(),
+    }

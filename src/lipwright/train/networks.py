@@ -1,0 +1,108 @@
+"""The networks: what a configuration says, as torch modules."""
+
+from __future__ import annotations
+
+from typing import Final, cast
+
+import torch
+from torch import Tensor, nn
+
+from lipwright.train.config import Config
+
+LAST_SD: Final = 0.05  # of the weights of layers without ReLU (thesis, section 4.4.6)
+
+
+class Windows(nn.Module):
+    """Fully connected layers from windows (N, D) to windows (N, Ky, C)."""
+
+    is_sequence: Final = False
+
+    def __init__(self, config: Config, inputs: int, controls: int) -> None:
+        """`inputs` is D, `controls` C."""
+        super().__init__()
+        self.shape = (config.output_window, controls)
+        sizes = (inputs, *config.network.layers)
+        parts: list[nn.Module] = []
+        for size, units, drop in zip(sizes, sizes[1:], config.network.drops, strict=False):
+            parts += [nn.Linear(size, units), _activation(config), *_dropout(drop)]
+        parts.append(nn.Linear(sizes[-1], config.output_window * controls))
+        self.layers = nn.Sequential(*parts)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """(N, D) to (N, Ky, C)."""
+        return cast(Tensor, self.layers(features)).view(-1, *self.shape)
+
+
+class Sequence(nn.Module):
+    """Valid convolutions over frames: (N, W, F) to (N, W - Kx + 1, C)."""
+
+    is_sequence: Final = True
+
+    def __init__(self, config: Config, inputs: int, controls: int) -> None:
+        """`inputs` is F, `controls` C."""
+        super().__init__()
+        network = config.network
+        sizes = (inputs, *network.layers)
+        dilations = network.dilations or (1,) * len(network.kernels)
+        parts: list[nn.Module] = []
+        for index, (kernel, dilation) in enumerate(zip(network.kernels, dilations, strict=True)):
+            size, channels = sizes[index : index + 2]
+            parts += [nn.Conv1d(size, channels, kernel, dilation=dilation), _activation(config)]
+            parts += _dropout(network.drops[index])
+        parts.append(nn.Conv1d(sizes[-1], controls, 1))
+        self.layers = nn.Sequential(*parts)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """(N, W, F) to (N, W - Kx + 1, C)."""
+        return cast(Tensor, self.layers(features.transpose(1, 2))).transpose(1, 2)
+
+
+Net = Windows | Sequence
+
+
+def make_network(config: Config, inputs: int, controls: int) -> Net:
+    """A network with fresh weights, drawn from torch's generator.
+
+    Args:
+        config: what to make.
+        inputs: columns of a window (D), or of a frame (F) for convolutions.
+        controls: C.
+    """
+    made = (Sequence if config.is_sequence else Windows)(config, inputs, controls)
+    weighted = [part for part in made.layers if isinstance(part, nn.Linear | nn.Conv1d)]
+    for part in weighted:
+        _draw(part, config, is_last=part is weighted[-1])
+    return made
+
+
+def _draw(part: nn.Linear | nn.Conv1d, config: Config, *, is_last: bool) -> None:
+    network = config.network
+    nn.init.zeros_(cast(Tensor, part.bias))
+    if network.init == "glorot":
+        nn.init.xavier_uniform_(part.weight)
+    elif is_last:
+        nn.init.normal_(part.weight, std=LAST_SD)
+    else:
+        slope = network.slope if network.activation == "leaky_relu" else 0.0
+        nn.init.kaiming_normal_(part.weight, a=slope, nonlinearity="leaky_relu")
+
+
+def _activation(config: Config) -> nn.Module:
+    if config.network.activation == "tanh":
+        return nn.Tanh()
+    return nn.LeakyReLU(config.network.slope)
+
+
+def _dropout(share: float) -> list[nn.Module]:
+    return [nn.Dropout(share)] if share else []
+
+
+def make_optimizer(config: Config, network: nn.Module) -> torch.optim.Optimizer:
+    """What moves the weights of a network; its rate is set before each epoch."""
+    chosen, rate = config.optimizer, config.rates.first
+    weights = network.parameters()
+    if chosen.kind == "sgd":
+        return torch.optim.SGD(weights, rate, momentum=chosen.momentum)
+    if chosen.kind == "adam":
+        return torch.optim.Adam(weights, rate)
+    return torch.optim.AdamW(weights, rate, weight_decay=chosen.weight_decay)
