@@ -152,7 +152,7 @@ def measure(network: Network, rounds: int) -> Speed:
 
 def random_models(folder: Path, configs: list[str]) -> dict[str, Network]:
     """Configuration to a network of its shape with random weights, exported as training does."""
-    from lipwright.train.config import load_config
+    from lipwright.train.config_file import load_config
     from lipwright.train.data import make_data
     from lipwright.train.export import write_model
     from lipwright.train.loop import network_of
