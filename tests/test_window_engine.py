@@ -28,6 +28,7 @@ from lipwright.engines.window_stream import Stream
 from lipwright.errors import LipwrightError
 from lipwright.export import read_clip
 from lipwright.features import FeatureSet
+from lipwright.features.sound import sound_features
 from lipwright.formats import write_track
 from lipwright.network import Network, load_network
 from lipwright.phones import PHONES as TABLE
@@ -86,6 +87,7 @@ class TestFrameMean:
         assert mean.add(outputs).tolist() == [[0, 1], [2, 3], [4, 5]]
         assert mean.end().shape == (0, 2)
 
+    @settings(max_examples=50)
     @given(st.sampled_from([1, 3, 5, 15]), st.lists(st.integers(0, 9), min_size=1, max_size=6))
     def test_it_is_the_mean_of_all_that_cover_a_frame_however_they_come(
         self, output_window: int, sizes: list[int]
@@ -239,11 +241,10 @@ class TestSound:
 
     @pytest.fixture
     def network(self, tmp_path: Path) -> Network:
-        pytest.importorskip("lipwright.features.sound", reason="there are no sound features")
         features = FeatureSet(("raw", "sound"), 3, 25, PHONES)
         weights = np.zeros((features.size, 2))
         weights[features.names.index("sound at frame 1"), 0] = 1
-        weights[features.size - 1, 1] = 0.01
+        weights[features.names.index("level at frame 1"), 1] = 1
         graph = windows_graph(weights, np.zeros((1, 2)))
         write_model(tmp_path / "m", graph, features, CONTROLS)
         return load_network(tmp_path / "m")
@@ -252,7 +253,7 @@ class TestSound:
         said = track("sil M AA S sil", 0.5)
         heard = animate(said, 25, read_audio(HELLO, 16000), network)
         assert (heard.curve("jawOpen") == 1).all()
-        assert np.ptp(heard.curve("mouthClose")) > 0
+        assert np.ptp(heard.curve("mouthClose")) > 1  # silence and speech
 
     def test_without_it_phones_must_do(self, network: Network) -> None:
         assert not animate(track("sil M AA S sil"), 25, None, network).values.any()
@@ -265,8 +266,6 @@ class TestSound:
         )
 
     def test_a_stream_hears_as_the_whole_does(self, network: Network) -> None:
-        from lipwright.features.sound import sound_features
-
         said, audio = track("sil M AA S sil", 0.5), read_audio(HELLO, 16000)
         rows = sound_features(audio, frame_times(said.end, 25))
         stream, parts = Stream(network, 60, sound=True), []

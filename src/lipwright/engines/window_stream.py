@@ -111,8 +111,8 @@ class Stream:
     def hear(self, rows: npt.ArrayLike) -> None:
         """The next rows (N, S) of sound features, one for each frame of the network's clock.
 
-        They are those of `lipwright.features.sound`, normalised by statistics that are known
-        beforehand, since a stream cannot know those of what is still to come.
+        They are those of `lipwright.features.sound.sound_features` with a `SoundScale` that is
+        known beforehand: a stream cannot measure what is still to come.
 
         Raises:
             ValueError: the stream was opened without sound or is finished, or rows are no rows.
