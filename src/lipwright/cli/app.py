@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from lipwright.cli import animating, capturing, datasets, faces, heads, listing
+from lipwright.cli import animating, capturing, datasets, faces, heads, listing, modelling, training
 from lipwright.version import VERSION
 
 
@@ -22,6 +22,9 @@ app.add_command(animating.align)
 app.add_command(capturing.capture)
 app.add_command(datasets.dataset)
 app.add_command(faces.face)
+app.add_command(training.train)
+app.add_command(training.tune)
+app.add_command(modelling.models)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

@@ -51,7 +51,7 @@ def train(
 ) -> None:  # fmt: skip
     """Train a network that moves a face as the recordings of a dataset do."""
     _need_extra()
-    from lipwright.train.config import load_config, override
+    from lipwright.train.config_file import load_config, override
     from lipwright.train.run import TrainOptions, part_of
     from lipwright.train.run import train as run
 
@@ -94,3 +94,63 @@ def _need_extra() -> None:
     for package in ("torch", "onnx", "optuna", "matplotlib"):
         if find_spec(package) is None:
             raise MissingExtraError(f"{package}, which training needs,", "train")
+
+
+TUNE_EXAMPLES = """\b
+Examples:
+  lipwright tune grid --config thesis --grid input_window=5,11,21 --grid seed=0,1 -o windows
+  lipwright tune grid --random 20 --range rates.first=1e-4:1e-1:log -o rates
+  lipwright tune grid --grid "network.layers=[300],[300,300]" --epochs 10 -o sizes
+\b
+The results are in trials.csv, best first, and in trials.png. An interrupted search goes on by the
+same command.
+"""
+
+
+@click.command(epilog=TUNE_EXAMPLES)
+@dataset_argument
+@config_option
+@click.option("--grid", multiple=True, help="KEY=VALUE,VALUE: values to try, as in JSON.")
+@click.option("--range", "ranges", multiple=True, help="KEY=LOW:HIGH, :log or :STEP, at random.")
+@click.option("--random", "trials", type=click.IntRange(1), help="So many trials at random.")
+@click.option("-o", "--output", "out", type=Path, required=True, help="Folder of the results.")
+@click.option("--epochs", type=click.IntRange(1), help="The most passes over the data, of each.")
+@click.option("--targets", type=click.Choice(["arkit", "shape", "joint"]), help="What to predict.")
+@face_option
+@progress_option
+def tune(
+    path: Path, config: str, grid: tuple[str, ...], ranges: tuple[str, ...], trials: int | None,
+    out: Path, epochs: int | None, targets: str | None, face: Path | None, progress: str,
+) -> None:  # fmt: skip
+    """Train many configurations and list them by their validation loss."""
+    _need_extra()
+    from lipwright.train.config_file import load_config, override
+    from lipwright.train.tune import Search, parse_choice, parse_range
+    from lipwright.train.tune import tune as run
+
+    given = {"epochs": epochs, "targets": targets}
+    changes = {key: value for key, value in given.items() if value is not None}
+    chosen = override(load_config(config), changes, config)
+    search = Search(tuple(map(parse_choice, grid)), tuple(map(parse_range, ranges)), trials)
+    keeps(f"trials that were done are kept in {out}; run the same command to go on")
+    with progress_report(progress) as report:
+        rows = run(
+            path, chosen, search, out, report, lambda row: _tell_trial(row, progress), face
+        )  # fmt: skip
+    if progress != "json":
+        say(f"{out}: {len(rows)} trials; the best: {_values(rows[0])}")
+
+
+def _tell_trial(row: dict[str, Any], progress: str) -> None:
+    if progress == "json":
+        say(json.dumps(row))
+    elif progress == "auto":
+        say(_values(row))
+
+
+def _values(row: dict[str, Any]) -> str:
+    known = {key: value for key, value in row.items() if value is not None}
+    return ", ".join(
+        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
+        for key, value in known.items()
+    )

@@ -140,6 +140,12 @@ class Head:
         gaps = np.maximum(heights[..., 0] - heights[..., 1], 0.0)
         return np.asarray(gaps.mean(axis=-1) / self.eye_distance)
 
+    @property
+    def opening(self) -> NDArray[np.float64]:
+        """(C,), how far each canonical control opens the lips, in eye distances a full weight."""
+        _, deltas = self._lip_heights
+        return np.asarray((deltas[..., 0] - deltas[..., 1]).mean(axis=1) / self.eye_distance)
+
     @cached_property
     def _lip_heights(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Heights (3, 2) of the lip pairs at rest and what each control adds (C, 3, 2), m."""

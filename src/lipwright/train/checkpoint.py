@@ -41,6 +41,8 @@ class Checkpoint:
     """of the member at work, after its last epoch"""
     best: Weights | None = None
     """of the member at work, after its best epoch"""
+    average: Weights | None = None
+    """the running mean of the weights of the member at work"""
     optimizer: dict[str, Any] | None = None
 
     def epochs(self, member: int) -> list[dict[str, Any]]:

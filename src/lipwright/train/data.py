@@ -18,7 +18,9 @@ from torch import Tensor
 
 from lipwright.features import KINDS as FEATURE_KINDS
 from lipwright.features import FeatureSet
+from lipwright.features.featureset import HEARD as HEARD_SOUND
 from lipwright.features.known import seen_phones
+from lipwright.features.timing import TIMING
 from lipwright.phones import SILENCE
 from lipwright.train.config import Config
 from lipwright.train.takes import Corpus, Take
@@ -48,9 +50,9 @@ class Scaling:
     """Means and standard deviations that the network does without: they are in the ONNX graph."""
 
     input_mean: Floats
-    """(F,) of one frame; 0 for columns of 0 and 1"""
+    """(F,) of one frame; 0 for columns of 0 and 1, and for sound"""
     input_sd: Floats
-    """(F,); 1 for columns of 0 and 1"""
+    """(F,); 1 for these columns too, and endless for those that never change in training"""
     mean: Floats
     """(C,) of the targets"""
     sd: Floats
@@ -62,9 +64,16 @@ class Scaling:
 def find_scaling(takes: Sequence[Take], features: FeatureSet, config: Config) -> Scaling:
     """The scaling of a configuration, out of the frames for training."""
     rows = np.concatenate([features.frames(t.track, t.times, t.sound) for t in takes])
-    numbers = ~np.isin(rows, (0, 1)).all(axis=0)
+    numbers = np.asarray(~np.isin(rows, (0, 1)).all(axis=0))
+    # Sound is scaled by its recording, and rare likenesses must not grow large.
+    numbers[[name not in TIMING for name in features.frame_names]] = False
     input_mean = np.where(numbers, rows.mean(axis=0, dtype=np.float64), 0)
     input_sd = np.where(numbers, _spread(rows), 1)
+    # What never changes in training has weights that nothing has taught: it must not count later.
+    still = np.ptp(rows, axis=0) == 0
+    if config.augment.deaf and HEARD_SOUND in features.frame_names:
+        still[features.frame_names.index(HEARD_SOUND)] = False
+    input_sd[still] = np.inf
     targets = np.concatenate([take.targets[take.valid] for take in takes])
     mean, spread = targets.mean(axis=0, dtype=np.float64), _spread(targets)
     if config.scaling == "none":
@@ -101,6 +110,8 @@ class Arrays:
     """which spans are there, window after window"""
     span_starts: Tensor
     """(N + 1,) where those of each window begin"""
+    voices: Tensor
+    """(V, R, S) sound features of other voices"""
 
     def __len__(self) -> int:
         """N."""
@@ -127,6 +138,12 @@ class Arrays:
         half = self.features.window // 2
         return self._cut(chosen, half, length - 1 + half)
 
+    def voiced_stretch(self, voice: int, chosen: int, length: int) -> Tensor:
+        """(W, S), the sound of a stretch in another voice."""
+        half = self.features.window // 2
+        first = int(self.rows[chosen]) - half
+        return self.voices[voice, first : first + length + 2 * half]
+
     def _cut(self, chosen: Tensor, before: int, after: int) -> Tensor:
         return self.frames[self.rows[chosen, None] + torch.arange(-before, after + 1)]
 
@@ -141,12 +158,13 @@ def make_arrays(
 ) -> Arrays:
     """The arrays of some takes."""
     pad = max(config.input_window, config.output_window) // 2
-    frames, targets, masks, rows, columns, counts = [], [], [], [], [], []
+    frames, voices, targets, masks, rows, columns, counts = [], [], [], [], [], [], []
     starts, row = [0], 0
     for take in takes:
         count = len(take.times)
         seen = features.frames(take.track, take.times, take.sound)
         frames.append(_with_ends((seen - scaling.input_mean) / scaling.input_sd, pad))
+        voices.append(_voices(take, pad))
         apart = (take.targets - scaling.mean) / scaling.sd
         targets.append(_with_ends(np.where(take.valid[:, None], apart, 0), pad))
         masks.append(_with_ends(take.valid, pad))
@@ -163,7 +181,15 @@ def make_arrays(
         torch.from_numpy(np.concatenate(rows)), tuple(starts),
         torch.from_numpy(np.concatenate([np.empty(0, np.int64), *columns])),
         torch.from_numpy(held.astype(np.int64)),
+        torch.from_numpy(np.concatenate(voices, axis=1)),
     )  # fmt: skip
+
+
+def _voices(take: Take, pad: int) -> npt.NDArray[np.float32]:
+    """(V, R, S), the sound of a take in other voices; V and S are 0 without."""
+    if not take.voices:
+        return np.zeros((0, len(take.times) + 2 * pad, 0), np.float32)
+    return np.stack([_with_ends(voice, pad) for voice in take.voices])
 
 
 def _with_ends(values: npt.NDArray[np.generic], pad: int) -> npt.NDArray[np.float32]:
@@ -218,6 +244,8 @@ class Data:
     scaling: Scaling
     train: Arrays
     validation: Arrays
+    opening: Tensor | None
+    """(C,) eye distances by which each scaled control opens the lips; None where nobody asks"""
     test: Arrays | None
     """None where the dataset keeps no recording for the test"""
 
@@ -233,7 +261,12 @@ class Data:
 
 
 def make_data(corpus: Corpus, config: Config) -> Data:
-    """The arrays of a corpus as a configuration wants them."""
+    """The arrays of a corpus as a configuration wants them.
+
+    Raises:
+        LipwrightError: a window is longer than a recording.
+    """
+    corpus.check_window(max(config.input_window, config.output_window))
     features = feature_set(config, corpus)
     scaling = find_scaling(corpus.of("train"), features, config)
     train, validation, test = (
@@ -242,4 +275,13 @@ def make_data(corpus: Corpus, config: Config) -> Data:
     )
     assert train is not None
     assert validation is not None
-    return Data(corpus, features, scaling, train, validation, test)
+    opening = _opening(corpus.controls, scaling) if config.loss.lips else None
+    return Data(corpus, features, scaling, train, validation, opening, test)
+
+
+def _opening(controls: Sequence[str], scaling: Scaling) -> Tensor:
+    from lipwright.controls import CANONICAL
+    from lipwright.face.head import load_head
+
+    opening = load_head().opening[[CANONICAL.index(name) for name in controls]]
+    return torch.from_numpy((opening * scaling.sd).astype(np.float32))

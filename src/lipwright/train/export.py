@@ -29,7 +29,7 @@ from lipwright.train.checkpoint import Weights
 from lipwright.train.config import Config
 from lipwright.train.data import Data
 from lipwright.train.loop import network_of
-from lipwright.train.networks import Net
+from lipwright.train.networks import GatedBlock, Net
 
 Floats = npt.NDArray[np.float64]
 
@@ -70,8 +70,9 @@ def _fold_inputs(of: Weighted, data: Data) -> Weighted:
     if isinstance(of.layer, nn.Linear):
         window = data.features.window
         spans = of.weight.shape[1] - window * len(mean)
+        taught = np.bincount(data.train.span_columns.numpy(), minlength=spans) > 0
         mean = np.concatenate([np.tile(mean, window), np.zeros(spans)])
-        sd = np.concatenate([np.tile(sd, window), np.ones(spans)])
+        sd = np.concatenate([np.tile(sd, window), np.where(taught, 1, np.inf)])
     else:
         mean, sd = mean[:, None], sd[:, None]
     weight = of.weight / sd
@@ -113,10 +114,37 @@ class Graph:
             if isinstance(layer.layer, nn.Conv1d):
                 return self.node("Conv", given, *parts, dilations=list(layer.layer.dilation))
             return self.node("Gemm", given, *parts, transB=1)
+        if isinstance(layer, GatedBlock):
+            return self.gated(layer, given)
         if isinstance(layer, nn.LeakyReLU):
             return self.node("LeakyRelu", given, alpha=layer.negative_slope)
         assert isinstance(layer, nn.Tanh), f"no ONNX node for {type(layer).__name__}"
         return self.node("Tanh", given)
+
+    def gated(self, block: GatedBlock, given: str) -> str:
+        """A gated convolution and what goes past it; the name of their sum."""
+        both = self.convolution(block.both, given)
+        halves = [self.slice(both, first, stop, axis=1) for first, stop in _halves(block)]
+        value, gate = self.node("Tanh", halves[0]), self.node("Sigmoid", halves[1])
+        added = self.convolution(block.out, self.node("Mul", value, gate))
+        past = self.slice(given, block.cut, -block.cut, axis=2) if block.cut else given
+        return self.node("Add", past, added)
+
+    def convolution(self, layer: nn.Conv1d, given: str) -> str:
+        """A convolution as it was learnt; the name of its output."""
+        assert layer.bias is not None
+        parts = [self.weight(part.detach().numpy()) for part in (layer.weight, layer.bias)]
+        return self.node("Conv", given, *parts, dilations=list(layer.dilation))
+
+    def slice(self, given: str, first: int, stop: int, axis: int) -> str:
+        """Part of an array along one axis; its name."""
+        limits = [self.weight(np.array([value], np.int64)) for value in (first, stop, axis)]
+        return self.node("Slice", given, *limits)
+
+
+def _halves(block: GatedBlock) -> tuple[tuple[int, int], tuple[int, int]]:
+    channels = block.out.in_channels
+    return (0, channels), (channels, 2 * channels)
 
 
 def make_model(config: Config, data: Data, members: Sequence[Weights]) -> onnx.ModelProto:

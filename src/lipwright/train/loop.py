@@ -18,6 +18,7 @@ import torch
 from torch import Tensor
 
 from lipwright.errors import LipwrightError
+from lipwright.train.augment import augmented
 from lipwright.train.checkpoint import Checkpoint, Weights
 from lipwright.train.config import Config, Rates
 from lipwright.train.data import Arrays, Data, Scaling, batches, stretch_of
@@ -28,6 +29,8 @@ from lipwright.train.takes import Report
 Keep = Callable[[Checkpoint], None]
 
 CHUNK: Final = 2048  # windows that are predicted at once
+RISE: Final = 0.1  # share of all steps in which the rate of one cycle rises
+RISE_FROM: Final = 25.0  # its highest rate over its first
 
 
 def fit(config: Config, data: Data, state: Checkpoint, report: Report, keep: Keep) -> None:
@@ -87,16 +90,18 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
     while len(state.members) == member:
         epochs = state.epochs(member)
         number, rate = len(epochs) + 1, rate_at(config.rates, config.epochs, epochs)
-        for group in optimizer.param_groups:
-            group["lr"] = rate
+        set_rate(optimizer, rate)
+        if config.average and state.average is None:
+            state.average = copy_of(network)
 
         def tick(share: float, number: int = number) -> None:
             done = member + (number - 1 + share) / config.epochs
             report("train", done / config.members)
 
         begun = time.perf_counter()
-        loss = _run_epoch(config, data.train, network, optimizer, (member, number), tick)
-        judged = judge(predict(network, data.validation), data.validation, data.scaling)
+        loss = _run_epoch(config, data, network, optimizer, state.average, (member, number), tick)
+        kept = network if state.average is None else network_of(config, data, state.average)
+        judged = judge(predict(kept, data.validation), data.validation, data.scaling)
         epoch = {
             "member": member, "epoch": number, "rate": rate, "train": loss, **judged,
             "seconds": round(time.perf_counter() - begun, 3),
@@ -104,7 +109,7 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
         _refuse_endless(epoch)
         state.history.append(epoch)
         if all(epoch["validation"] < old["validation"] for old in epochs):
-            state.best = {key: value.clone() for key, value in network.state_dict().items()}
+            state.best = copy_of(kept)
         state.weights, state.optimizer = network.state_dict(), optimizer.state_dict()
         if is_done(config, state.epochs(member)):
             _finish_member(state)
@@ -114,7 +119,36 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
 def _finish_member(state: Checkpoint) -> None:
     assert state.best is not None
     state.members.append(state.best)
-    state.weights = state.best = state.optimizer = None
+    state.weights = state.best = state.average = state.optimizer = None
+
+
+def copy_of(network: Net) -> Weights:
+    """The weights of a network as they are now."""
+    return {key: value.clone() for key, value in network.state_dict().items()}
+
+
+@torch.no_grad()
+def blend(average: Weights | None, network: Net, share: float) -> None:
+    """Bring a running mean of weights nearer to those of the network."""
+    if average is not None:
+        for key, value in network.state_dict().items():
+            average[key].lerp_(value, share)
+
+
+def set_rate(optimizer: torch.optim.Optimizer, rate: float) -> None:
+    """Set the learning rate of all weights."""
+    for group in optimizer.param_groups:
+        group["lr"] = rate
+
+
+def one_cycle(config: Config, epochs: float) -> float:
+    """The learning rate after so many epochs and parts of one."""
+    share, rise = epochs / config.epochs, RISE
+    if share < rise:
+        low, high, place = config.rates.first / RISE_FROM, config.rates.first, share / rise
+    else:
+        low, high, place = 0.0, config.rates.first, 1 - (share - rise) / (1 - rise)
+    return low + (high - low) * (1 - math.cos(math.pi * place)) / 2
 
 
 def _refuse_endless(epoch: dict[str, Any]) -> None:
@@ -140,7 +174,7 @@ def rate_at(rates: Rates, total: int, epochs: list[dict[str, Any]]) -> float:
     """The learning rate of the epoch after `epochs`, of `total` at most."""
     if rates.schedule == "cosine":
         return rates.first * (1 + math.cos(math.pi * len(epochs) / total)) / 2
-    if rates.schedule == "constant":
+    if rates.schedule in {"constant", "one_cycle"}:  # one_cycle is set at each step
         return rates.first
     losses = [epoch[rates.watches] for epoch in epochs]
     falls = sum(later > earlier for earlier, later in pairwise(losses))
@@ -148,10 +182,11 @@ def rate_at(rates: Rates, total: int, epochs: list[dict[str, Any]]) -> float:
 
 
 def _run_epoch(
-    config: Config, arrays: Arrays, network: Net, optimizer: torch.optim.Optimizer,
-    place: tuple[int, int], tick: Callable[[float], None],
+    config: Config, data: Data, network: Net, optimizer: torch.optim.Optimizer,
+    average: Weights | None, place: tuple[int, int], tick: Callable[[float], None],
 ) -> float:  # fmt: skip
     """One pass over the frames for training; the mean loss of its steps."""
+    arrays = data.train
     random = _seed(config, *place)
     length = stretch_of(arrays, config)
     half = 0 if config.is_sequence else length // 2
@@ -159,12 +194,22 @@ def _run_epoch(
     network.train()
     total = weight = 0.0
     for number, chosen in enumerate(steps):
-        inputs = arrays.stretches(chosen, length) if config.is_sequence else arrays.windows(chosen)
+        if config.rates.schedule == "one_cycle":
+            set_rate(optimizer, one_cycle(config, place[1] - 1 + number / len(steps)))
+        if config.is_sequence:
+            inputs = augmented(arrays, chosen, length, config.augment, random)
+        else:
+            inputs = arrays.windows(chosen)
         reference, mask = arrays.reference(chosen, half, length - 1 - half)
         optimizer.zero_grad(set_to_none=True)
-        loss = total_loss(config.loss, network, reference, network(inputs), mask)
+        with torch.autocast("cpu", torch.bfloat16, enabled=config.precision == "bfloat16"):
+            estimated = network(inputs)
+        loss = total_loss(config.loss, network, reference, estimated.float(), mask, data.opening)
         loss.backward()  # type: ignore[no-untyped-call]
+        if config.optimizer.longest is not None:
+            torch.nn.utils.clip_grad_norm_(network.parameters(), config.optimizer.longest)
         optimizer.step()
+        blend(average, network, config.average)
         total += loss.item() * len(chosen)
         weight += len(chosen)
         tick((number + 1) / len(steps))

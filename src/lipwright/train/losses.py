@@ -6,10 +6,14 @@ seen and 0 elsewhere, where `reference_` values are any finite numbers.
 
 from __future__ import annotations
 
+from typing import Final
+
 import torch
 from torch import Tensor, nn
 
 from lipwright.train.config import Loss
+
+APERTURE_UNIT: Final = 0.1  # eye distances; about the standard deviation in speech
 
 
 def squared_error(reference_controls: Tensor, estimated_controls: Tensor, mask: Tensor) -> Tensor:
@@ -25,6 +29,18 @@ def motion_error(reference_controls: Tensor, estimated_controls: Tensor, mask: T
     """
     moved = (estimated_controls - reference_controls).diff(dim=1).abs().sum(dim=-1)
     return _mean(moved, mask[:, 1:] * mask[:, :-1])
+
+
+def aperture_error(
+    reference_controls: Tensor, estimated_controls: Tensor, mask: Tensor, opening: Tensor
+) -> Tensor:
+    """The mean squared error of the lips' aperture on the head, in `APERTURE_UNIT`.
+
+    `opening` (C,) is how far each scaled control opens them. Controls that open and close the lips
+    at once may be right one by one and still leave a closure open; here their sum counts.
+    """
+    missed = ((estimated_controls - reference_controls) @ opening).square()
+    return _mean(missed / APERTURE_UNIT**2, mask)
 
 
 def weight_norm(network: nn.Module) -> Tensor:
@@ -43,11 +59,17 @@ def total_loss(
     reference_controls: Tensor,
     estimated_controls: Tensor,
     mask: Tensor,
+    opening: Tensor | None = None,
 ) -> Tensor:
     """The weighted sum of the terms; those that weigh nothing are not computed."""
     loss = weights.squared * squared_error(reference_controls, estimated_controls, mask)
     if weights.motion and mask.shape[1] > 1:
         loss = loss + weights.motion * motion_error(reference_controls, estimated_controls, mask)
+    if weights.lips:
+        assert opening is not None  # data.py makes it where the configuration asks for it
+        loss = loss + weights.lips * aperture_error(
+            reference_controls, estimated_controls, mask, opening
+        )
     if weights.l2:
         loss = loss + weights.l2 * weight_norm(network)
     return loss

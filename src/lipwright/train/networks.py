@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final, cast
 
 import torch
@@ -57,7 +58,60 @@ class Sequence(nn.Module):
         return cast(Tensor, self.layers(features.transpose(1, 2))).transpose(1, 2)
 
 
-Net = Windows | Sequence
+class GatedBlock(nn.Module):
+    """A convolution that adds to what it was given as much as its gate lets through.
+
+    After van den Oord et al., "WaveNet" (2016), section 2.3, without its causality.
+    """
+
+    def __init__(self, channels: int, kernel: int, dilation: int, drop: float) -> None:
+        """`drop` is the share of the inputs of the convolution that is dropped."""
+        super().__init__()
+        self.drop = nn.Dropout(drop)
+        self.both = nn.Conv1d(channels, 2 * channels, kernel, dilation=dilation)
+        self.out = nn.Conv1d(channels, channels, 1)
+        self.cut = dilation * (kernel - 1) // 2
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """(N, H, W) to (N, H, W - 2 cut)."""
+        value, gate = self.both(self.drop(frames)).chunk(2, dim=1)
+        added = self.out(torch.tanh(value) * torch.sigmoid(gate))
+        return cast(Tensor, frames[:, :, self.cut : frames.shape[2] - self.cut] + added)
+
+
+class GatedSequence(nn.Module):
+    """Gated convolutions over frames: (N, W, F) to (N, W - Kx + 1, C)."""
+
+    is_sequence: Final = True
+
+    def __init__(self, config: Config, inputs: int, controls: int) -> None:
+        """`inputs` is F, `controls` C."""
+        super().__init__()
+        network = config.network
+        channels, last = network.layers[0], network.drops[-1]
+        dilations = network.dilations or (1,) * len(network.kernels)
+        parts: list[nn.Module] = [nn.Conv1d(inputs, channels, 1)]
+        parts += [
+            GatedBlock(channels, kernel, dilation, drop)
+            for kernel, dilation, drop in zip(
+                network.kernels, dilations, network.drops, strict=True
+            )
+        ]
+        parts += [_activation(config), *_dropout(last), nn.Conv1d(channels, channels, 1)]
+        parts += [_activation(config), *_dropout(last), nn.Conv1d(channels, controls, 1)]
+        self.layers = nn.Sequential(*parts)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """(N, W, F) to (N, W - Kx + 1, C)."""
+        return cast(Tensor, self.layers(features.transpose(1, 2))).transpose(1, 2)
+
+
+Net = Windows | Sequence | GatedSequence
+
+
+_NETS: Final[Mapping[str, type[Windows] | type[Sequence] | type[GatedSequence]]] = {
+    "dense": Windows, "conv": Sequence, "gated": GatedSequence,
+}  # fmt: skip
 
 
 def make_network(config: Config, inputs: int, controls: int) -> Net:
@@ -68,7 +122,9 @@ def make_network(config: Config, inputs: int, controls: int) -> Net:
         inputs: columns of a window (D), or of a frame (F) for convolutions.
         controls: C.
     """
-    made = (Sequence if config.is_sequence else Windows)(config, inputs, controls)
+    made: Net = _NETS[config.network.kind](config, inputs, controls)
+    if config.network.init == "torch":
+        return made
     weighted = [part for part in made.layers if isinstance(part, nn.Linear | nn.Conv1d)]
     for part in weighted:
         _draw(part, config, is_last=part is weighted[-1])

@@ -88,7 +88,9 @@ def train(
     place = _make_place(out, options)
     with locked(place):
         data = make_data(read_corpus(dataset, config, options.face, report), config)
-        state = _fit(config, data, place / TRAINING, options, report, tell)
+        folder = place / TRAINING
+        state = fit_in(folder, config, data, force=options.force, report=report, tell=tell)
+        write_losses(folder / "losses.png", state.history)
         report("export", 0.0)
         metrics = _finish(config, data, state, place, options)
         report("export", 1.0)
@@ -112,16 +114,28 @@ def _make_place(out: Path, options: TrainOptions) -> Path:
     return place
 
 
-def _fit(
-    config: Config, data: Data, folder: Path, options: TrainOptions, report: Report, tell: Tell
-) -> Checkpoint:
-    """Train, or go on; the state and a log are written after each epoch."""
-    path, plain = folder / CHECKPOINT_FILE, config.to_json()
-    digest = data.corpus.digest()
+def fit_in(
+    folder: Path, config: Config, data: Data, *, force: bool = False,
+    report: Report = lambda stage, share: None, tell: Tell = lambda epoch: None,
+) -> Checkpoint:  # fmt: skip
+    """Train, or go on; the state and a log are written to `folder` after each epoch.
+
+    Args:
+        folder: where; it is there.
+        config: of the training.
+        data: to learn from.
+        force: start anew where the checkpoint in `folder` does not fit.
+        report: told how far it is.
+        tell: told of each epoch.
+
+    Raises:
+        LipwrightError: the checkpoint does not fit, or the loss grew beyond all bounds.
+    """
+    path, plain, digest = folder / CHECKPOINT_FILE, config.to_json(), data.corpus.digest()
     try:
         state = load_checkpoint(path, plain, digest)
     except LipwrightError:
-        if not options.force:
+        if not force:
             raise
         state = None
     state = state or Checkpoint(plain, digest)
@@ -134,7 +148,6 @@ def _fit(
     with write_whole(folder / "config.json") as part:
         part.write_text(to_json(plain), "utf-8")
     fit(config, data, state, report, keep)
-    write_losses(folder / "losses.png", state.history)
     return state
 
 

@@ -20,6 +20,7 @@ from lipwright.face.faceclip import control_names
 from lipwright.face.reference_file import load_reference_face
 from lipwright.track import PhoneTrack
 from lipwright.train.config import Config
+from lipwright.train.hearing import Listening, listen_to_all
 
 Report = Callable[[str, float], None]
 Floats = npt.NDArray[np.float32]
@@ -42,6 +43,8 @@ class Take:
     track: PhoneTrack
     sound: Floats | None = None
     """(T, S), features of the sound"""
+    voices: tuple[Floats, ...] = ()
+    """the same of other voices, each (T, S)"""
     aperture: Floats | None = None
     """(T,), of the real lips, eye distances; NaN where no face was seen"""
 
@@ -57,10 +60,25 @@ class Corpus:
     fps: float
     name: str
     licence: str
+    path: Path
+    """of the dataset"""
 
     def of(self, split: str) -> tuple[Take, ...]:
         """The takes of a split."""
         return self.splits[split]
+
+    def check_window(self, window: int) -> None:
+        """Refuse takes shorter than a window of so many frames.
+
+        Raises:
+            LipwrightError: there is one; names it.
+        """
+        for take in (take for takes in self.splits.values() for take in takes):
+            if len(take.times) < window:
+                raise LipwrightError(
+                    f"{self.path}: the recording {take.name!r} has {len(take.times)} frames, fewer "
+                    f"than the window of {window}; narrow the window, or reject the recording"
+                )
 
     def digest(self) -> str:
         """A hash of all that can be learnt from it."""
@@ -108,6 +126,8 @@ def read_corpus(
         if not any(take.valid.any() for take in splits[split]):
             raise LipwrightError(f"{dataset.path}: no frame for {split} shows a face")
     columns = _columns(dataset, config, reader.names, splits[TRAIN])
+    if "sound" in config.features:
+        splits = _with_sound(dataset, config, splits, report)
     return Corpus(
         {
             split: tuple(replace(take, targets=take.targets[:, columns]) for take in takes)
@@ -117,7 +137,32 @@ def read_corpus(
         reader.fps,
         str(dataset.manifest.get("name", "")) or dataset.path.name,
         str(dataset.manifest.get("licence", "")),
+        dataset.path,
     )
+
+
+def _with_sound(
+    dataset: Dataset, config: Config, splits: dict[str, list[Take]], report: Report | None
+) -> dict[str, list[Take]]:
+    """The same takes with what is heard in them; those without sound stay as they are."""
+    chosen = [(split, take) for split, takes in splits.items() for take in takes]
+    audio = {take.name: dataset.recording(take.name).audio for _, take in chosen}
+    tasks = [
+        Listening(path, take.times, config.augment.voices if split == TRAIN else ())
+        for split, take in chosen
+        if (path := audio[take.name]) is not None
+    ]
+    heard = listen_to_all(tasks)
+    found: dict[str, list[Take]] = {split: [] for split in splits}
+    for number, (split, take) in enumerate(chosen, 1):
+        if audio[take.name] is None:
+            found[split].append(take)
+            continue
+        sound, *voices = next(heard)
+        found[split].append(replace(take, sound=sound, voices=tuple(voices)))
+        if report is not None:
+            report("listen", number / len(chosen))
+    return found
 
 
 class _Reader:
@@ -147,13 +192,7 @@ class _Reader:
         take = self._take(recording)
         if self.config.fps is not None and recording.motion.fps != self.config.fps:
             take = resampled(take, self.config.fps)
-        window = max(self.config.input_window, self.config.output_window)
-        if len(take.times) < window:
-            raise LipwrightError(
-                f"{recording.folder}: has {len(take.times)} frames, fewer than the window of "
-                f"{window}; narrow the window, or reject the recording in the manifest"
-            )
-        return replace(take, sound=self._sound(recording, take.times))
+        return take
 
     def _take(self, recording: Recording) -> Take:
         valid = recording.valid
@@ -198,14 +237,6 @@ class _Reader:
                 f"run: lipwright face fit {self.dataset.path} -o {self.face}"
             )
         return found
-
-    def _sound(self, recording: Recording, times: npt.NDArray[np.float64]) -> Floats | None:
-        if "sound" not in self.config.features or recording.audio is None:
-            return None
-        from lipwright.audio import read_audio
-        from lipwright.features.sound import sound_features
-
-        return np.asarray(sound_features(read_audio(recording.audio), times), np.float32)
 
 
 def resampled(take: Take, fps: float) -> Take:
