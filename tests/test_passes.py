@@ -29,6 +29,7 @@ from lipwright.passes import (
     ease,
     intensity,
     limit,
+    requirements_beside,
     silence,
     smooth,
     speech_share,
@@ -595,3 +596,33 @@ class TestTogether:
         clip = apply_passes(animate(phones, 60.0), phones, default_passes())
         quiet = (clip.times < 0.3) | ((clip.times > 1.05) & (clip.times < 1.6))
         assert clip.select(PARTS).values[quiet].max() < 1e-6
+
+
+class TestWhatALearntEngineStillNeeds:
+    def test_an_engine_of_rules_needs_everything(self) -> None:
+        assert requirements_beside((), ()) == REQUIREMENTS
+
+    def test_closures_stay_whatever_was_learnt(self) -> None:
+        kept = requirements_beside(PHONES, CANONICAL)
+        assert [r for r in kept if r.controls is SHUT] == [
+            r for r in REQUIREMENTS if r.controls is SHUT
+        ]
+
+    def test_the_tongue_of_learnt_sounds_is_laid_over_and_their_lips_are_not(self) -> None:
+        kept = requirements_beside(PHONES, ("jawOpen", *GROUPS["lips"]))
+        of_t = [r for r in kept if "T" in r.phones]
+        of_th = [r for r in kept if "TH" in r.phones]
+        assert [set(r.controls) for r in of_t] == [{"tongueRaise"}]
+        assert [set(r.controls) for r in of_th] == [{"tonguePress", "tongueOut"}]
+        assert not [r for r in kept if "W" in r.phones]
+
+    def test_sounds_that_were_never_heard_have_all_of_theirs(self) -> None:
+        kept = requirements_beside(("sil", "T", "AA"), CANONICAL)
+        for phone in ("SH", "W", "F", "UW"):
+            assert [r for r in kept if phone in r.phones] == [
+                r for r in REQUIREMENTS if phone in r.phones
+            ]
+
+    def test_the_lip_of_a_learnt_f_still_goes_behind_the_teeth(self) -> None:
+        kept = requirements_beside(PHONES, CANONICAL)
+        assert any("F" in r.phones and "mouthRollLower" in r.controls for r in kept)

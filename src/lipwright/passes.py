@@ -9,8 +9,8 @@ what comes later wins, so closures come after everything that could open the lip
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 from types import MappingProxyType
 from typing import Final, Literal
@@ -43,9 +43,18 @@ def apply_passes(clip: Clip, track: PhoneTrack, passes: Iterable[Pass]) -> Clip:
     return clip
 
 
-def default_passes(amount: float = 1.0) -> list[Pass]:
-    """What `animate` applies to every engine's clip; `amount` is the intensity."""
-    return [intensity(amount), smooth(), silence(), consonants(), speed_limit(), limit()]
+def default_passes(
+    amount: float = 1.0, requirements: Sequence[Requirement] | None = None
+) -> list[Pass]:
+    """What `animate` applies to an engine's clip.
+
+    Args:
+        amount: the intensity.
+        requirements: of consonants and rounded vowels; all of them by default. An engine that
+            learnt some from a real face needs only the rest: see `requirements_beside`.
+    """
+    sounds = consonants(REQUIREMENTS if requirements is None else requirements)
+    return [intensity(amount), smooth(), silence(), sounds, speed_limit(), limit()]
 
 
 # --- ease curves ---
@@ -246,6 +255,42 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
     Requirement(("M", "EM"), "Mat", SHUT, (0.6, 0.9), 0.5, 0.5),
     Requirement(("P", "B"), "Put", SHUT, (0.3, 0.5), 0.3, 0.3, longest=0.1, early=0.03),
 )  # fmt: skip
+
+
+# What a camera does not see of a sound, and so no network learns: the lip behind the teeth, and
+# lips that are pushed towards it.
+UNSEEN: Final[tuple[Requirement, ...]] = (
+    Requirement(("SH", "ZH", "CH", "JH"), "SHe", {"mouthFunnel": ("at_least", 0.25)}),
+    Requirement(("F", "V"), "Fork", {"mouthRollLower": ("at_least", 0.4)}),
+)
+
+
+def requirements_beside(
+    phones: Collection[str], controls: Collection[str]
+) -> tuple[Requirement, ...]:
+    """What an engine still needs that learnt some sounds from a real face.
+
+    Closures stay as they are, for a mean never shuts the lips. Of the other sounds that it learnt,
+    what its controls do not show (the tongue) and what no camera sees are laid over; of those that
+    it never heard, everything. Sounds of one row look alike: who heard one knows them all.
+
+    Args:
+        phones: that it learnt.
+        controls: that it predicts.
+    """
+    unseen = [r for r in UNSEEN if set(r.phones) & set(phones)]
+    kept: list[Requirement] = []
+    for requirement in REQUIREMENTS:
+        hidden = {
+            name: target
+            for name, target in requirement.controls.items()
+            if not set(_sides(name)) & set(controls)
+        }
+        if requirement.controls is SHUT or not set(requirement.phones) & set(phones):
+            kept.append(requirement)
+        elif hidden:
+            kept.append(replace(requirement, controls=hidden))
+    return (*unseen, *kept)
 
 
 def strength(

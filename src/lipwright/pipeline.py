@@ -13,13 +13,13 @@ from pathlib import Path
 from lipwright.audio import AudioFile, open_audio
 from lipwright.clip import MAX_FPS, Clip
 from lipwright.controls import CANONICAL
-from lipwright.engines import choose_engine, engine_controls, get_engine
+from lipwright.engines import choose_engine, engine_controls, engine_learnt, get_engine
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import Performance
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
-from lipwright.passes import Pass, apply_passes, default_passes
+from lipwright.passes import Pass, apply_passes, default_passes, requirements_beside
 from lipwright.rig import canonical_rig
 from lipwright.speech import Alignment, align
 from lipwright.track import PhoneTrack
@@ -83,8 +83,15 @@ class AnimateOptions:
         return engine_controls(self.engine, self.model)
 
     def chosen_passes(self) -> tuple[Pass, ...]:
-        """The passes to apply, in order."""
-        return tuple(default_passes(self.intensity)) if self.passes is None else self.passes
+        """The passes to apply, in order.
+
+        Raises:
+            LipwrightError: the model cannot be used.
+        """
+        if self.passes is not None:
+            return self.passes
+        phones, controls = engine_learnt(self.engine, self.model)
+        return tuple(default_passes(self.intensity, requirements_beside(phones, controls)))
 
 
 @dataclass(frozen=True, eq=False)

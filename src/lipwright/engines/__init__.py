@@ -95,6 +95,21 @@ def get_engine(name: str | None = None, model: str | Path | None = None) -> Engi
     return cast("Engine", partial(animate, model=model) if entry.runs_models else animate)
 
 
+def engine_learnt(
+    name: str | None = None, model: str | Path | None = None
+) -> tuple[frozenset[str], frozenset[str]]:
+    """The phones and controls that an engine learnt from real faces; none of one with rules.
+
+    Raises:
+        LipwrightError: as `engine_controls`.
+    """
+    entry = ENGINES[choose_engine(name, model)]
+    if not entry.runs_models:
+        return frozenset(), frozenset()
+    meta = import_module(entry.module).open_network(model).meta
+    return frozenset(meta.features.phones), frozenset(meta.controls)
+
+
 def engine_controls(name: str | None = None, model: str | Path | None = None) -> tuple[str, ...]:
     """The controls of the clips that an engine makes; a model is loaded to know.
 
