@@ -14,9 +14,9 @@ recording at their times; errors are means over frames and over what a frame has
   recording's own parameters; inner only where the inner mouth is seen
 - r: correlation of the lips' aperture, of predicted and tracked vertices, in speech
 
-Each with its 95 % interval from a bootstrap over sentences, and as a ratio to the first model,
-where both see the same drawn sentences. A model of shape modes has no pixels. Models that listen
-hear the recording's sound.
+Each with its 95 % interval from a bootstrap over sentences, and as a ratio to the first model (of
+r, the difference), where both see the same drawn sentences. A model of shape modes has no pixels.
+Models that listen hear the recording's sound.
 """
 
 from __future__ import annotations
@@ -183,19 +183,21 @@ def measure(face: ReferenceFace, truths: list[Truth], network: Network) -> dict[
 
 
 def bootstrap(rows: Rows, first: Rows, seed: int = 0) -> dict[str, float]:
-    """Mean and ratio to the mean of `first`, each with its interval; sentences are drawn alike."""
+    """Mean, and ratio and difference to the mean of `first`, each with its interval.
+
+    Both see the same drawn sentences.
+    """
     count = len(rows.sums)
     every = np.arange(count)[None]
     draws = np.random.default_rng(seed).integers(count, size=(DRAWS, count))
-    means, others = rows.means(draws), first.means(draws)
-    mean = rows.means(every)[0]
-    return {
-        "mean": float(mean),
-        **dict(zip(("low", "high"), np.percentile(means, INTERVAL).tolist(), strict=True)),
-        "ratio": float(mean / first.means(every)[0]),
-        **dict(zip(("ratio_low", "ratio_high"),
-                   np.percentile(means / others, INTERVAL).tolist(), strict=True)),
-    }  # fmt: skip
+    found = {}
+    mine, others = (one.means(np.concatenate([every, draws])) for one in (rows, first))
+    for name, values in (
+        ("", mine), ("ratio_", mine / others), ("difference_", mine - others)
+    ):  # fmt: skip
+        low, high = np.percentile(values[1:], INTERVAL)
+        found |= {f"{name}mean": values[0], f"{name}low": low, f"{name}high": high}
+    return {name: float(value) for name, value in found.items()}
 
 
 def figures(found: dict[str, dict[str, Rows]]) -> dict[str, dict[str, dict[str, float]]]:
@@ -211,13 +213,14 @@ def figures(found: dict[str, dict[str, Rows]]) -> dict[str, dict[str, dict[str, 
 
 def table(rows: dict[str, dict[str, dict[str, float]]]) -> Iterator[str]:
     """Lines of a Markdown table."""
-    yield "| model | measure | mean | 95 % | ratio to the first | 95 % |"
+    yield "| model | measure | mean | 95 % | against the first | 95 % |"
     yield "| --- | --- | --- | --- | --- | --- |"
     for model, measures in rows.items():
         for name, row in measures.items():
+            kind, form = ("difference", "+.3f") if name == "r" else ("ratio", ".3f")
+            mean, low, high = (row[f"{kind}_{part}"] for part in ("mean", "low", "high"))
             yield (f"| {model} | {name} | {row['mean']:.4g} | {row['low']:.4g} to {row['high']:.4g}"
-                   f" | {row['ratio']:.3f} | {row['ratio_low']:.3f} to {row['ratio_high']:.3f} |"
-                   )  # fmt: skip
+                   f" | {mean:{form}} | {low:{form}} to {high:{form}} |")  # fmt: skip
 
 
 def load_models(names: list[str]) -> dict[str, Network]:

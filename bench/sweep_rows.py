@@ -97,6 +97,7 @@ def draw(path: Path, rows: list[Row]) -> None:
         for index, ky in enumerate(outputs):
             shade = 0.15 + 0.7 * index / max(len(outputs) - 1, 1)
             curves.plot(inputs, values[index], color=(shade, 0.35, 1 - shade), label=f"Ky {ky}")
+        curves.set_xticks(inputs)
         curves.set_ylim(low - 0.03 * (high - low), high)
         curves.set_xlabel("input window Kx, frames")
         curves.set_ylabel("mean squared error, test")

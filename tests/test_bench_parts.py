@@ -226,6 +226,53 @@ def test_the_bootstrap_holds_the_mean_and_pairs_the_sentences() -> None:
     assert figures["low"] < figures["mean"] < figures["high"]
     # The same sentences are hard for both, so that the ratio is sure where the means are not.
     assert figures["ratio_low"] == pytest.approx(0.9) == pytest.approx(figures["ratio_high"])
+    assert figures["difference_mean"] == pytest.approx(-figures["mean"] / 9)
     spread = (figures["high"] - figures["low"]) / 0.9
     standard_error = (rows.sums / counts).std() / np.sqrt(40)
     assert spread == pytest.approx(2 * 1.96 * standard_error, rel=0.15)
+
+
+# --- the window sweep ---
+
+
+def test_rows_of_the_sweep_come_back_as_they_were_written(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    rows = bench("sweep_rows")
+    made = [
+        rows.Row(features, kx, ky, "seed 0", 0.1 / kx, 0.9, 0.2 / kx, 1 / (kx + ky), 0.7, 3.5)
+        for features in ("raw", "linguistic") for kx in (1, 3) for ky in (1, 5)
+    ]  # fmt: skip
+    rows.write_rows(tmp_path / "sweep.csv", made)
+    assert rows.read_rows(tmp_path / "sweep.csv") == made
+    assert rows.read_rows(tmp_path / "none.csv") == []
+    assert list(rows.grid_table(made, "raw"))[2:] == [
+        "| 1 | 0.5000 | 0.1667 |",
+        "| 3 | 0.2500 | **0.1250** |",
+    ]
+    rows.draw(tmp_path / "sweep.png", made)
+    assert (tmp_path / "sweep.png").stat().st_size > 10_000
+
+
+# --- speed ---
+
+
+def test_a_network_s_work_is_two_operations_for_each_weight(tmp_path: Path) -> None:
+    onnx = pytest.importorskip("onnx", reason="onnx is not installed")
+    from onnx import TensorProto, helper, numpy_helper
+
+    def weight(name: str, *shape: int) -> Any:
+        return numpy_helper.from_array(np.zeros(shape, np.float32), name)
+
+    graph = helper.make_graph(
+        [
+            helper.make_node("Conv", ["x", "k", "b"], ["y"]),
+            helper.make_node("Gemm", ["y", "w", "c"], ["z"]),
+            helper.make_node("Tanh", ["z"], ["t"]),
+        ],
+        "work",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, None)],
+        [helper.make_tensor_value_info("t", TensorProto.FLOAT, None)],
+        [weight("k", 8, 4, 3), weight("b", 8), weight("w", 8, 5), weight("c", 5)],
+    )
+    onnx.save(helper.make_model(graph), str(tmp_path / "model.onnx"))
+    assert bench("network_speed").work_of(tmp_path / "model.onnx") == 2 * (8 * 4 * 3 + 8 * 5)
