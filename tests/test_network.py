@@ -15,7 +15,7 @@ import numpy as np
 import onnx
 import pytest
 from google.protobuf.message import DecodeError
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 
@@ -404,6 +404,7 @@ class TestExternalData:
     def test_weights_in_the_file_itself_are_none(self, model: Path) -> None:
         assert not has_external_data((model / "model.onnx").read_bytes())
 
+    @settings(deadline=None)
     @given(st.integers(0, 10_000), st.binary(max_size=3), st.integers(0, 3))
     def test_whatever_onnx_itself_reads_as_external_is_found(
         self, place: int, put: bytes, skip: int

@@ -87,7 +87,7 @@ class TestFrameMean:
         assert mean.add(outputs).tolist() == [[0, 1], [2, 3], [4, 5]]
         assert mean.end().shape == (0, 2)
 
-    @settings(max_examples=50)
+    @settings(max_examples=50, deadline=None)
     @given(st.sampled_from([1, 3, 5, 15]), st.lists(st.integers(0, 9), min_size=1, max_size=6))
     def test_it_is_the_mean_of_all_that_cover_a_frame_however_they_come(
         self, output_window: int, sizes: list[int]
@@ -106,6 +106,7 @@ class TestFrameMean:
 
 
 class TestResampling:
+    @settings(deadline=None)
     @given(st.integers(1, 12), st.integers(0, 99))
     def test_it_is_the_monotone_cubic_of_scipy(self, count: int, seed: int) -> None:
         values = np.random.default_rng(seed).normal(size=(count, 3)).round(1).astype(np.float32)
@@ -117,6 +118,7 @@ class TestResampling:
         )
         np.testing.assert_allclose(monotone_cubic(values, place), expected, atol=1e-6)
 
+    @settings(deadline=None)
     @given(st.integers(2, 12), st.integers(0, 99))
     def test_it_never_passes_its_neighbours(self, count: int, seed: int) -> None:
         values = np.random.default_rng(seed).normal(size=(count, 2)).astype(np.float32)
@@ -134,6 +136,7 @@ class TestResampling:
         lines = coarse.at(np.arange(101) / 100)
         assert np.square(cubic - curve).mean() < 0.7 * np.square(lines - curve).mean()
 
+    @settings(deadline=None)
     @given(
         st.lists(st.integers(0, 7), min_size=1, max_size=8).filter(any),
         st.sampled_from([25.0, 10.0, 24.0, 29.97, 30.0, 60.0, 100.0]),
