@@ -117,6 +117,15 @@ class Arrays:
         """N."""
         return len(self.rows)
 
+    def taught(self, *, windows: bool) -> Tensor:
+        """(D,) of windows or (F,) of frames: which columns are ever other than 0."""
+        frame = (self.frames != 0).any(dim=0)
+        if not windows:
+            return frame
+        spans = self.features.size - self.features.window * len(frame)
+        held = torch.bincount(self.span_columns, minlength=spans) > 0
+        return torch.cat([frame.repeat(self.features.window), held])
+
     def windows(self, chosen: Tensor) -> Tensor:
         """(B, D), the windows around the frames `chosen` (B,)."""
         half = self.features.window // 2

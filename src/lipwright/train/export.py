@@ -70,9 +70,8 @@ def _fold_inputs(of: Weighted, data: Data) -> Weighted:
     if isinstance(of.layer, nn.Linear):
         window = data.features.window
         spans = of.weight.shape[1] - window * len(mean)
-        taught = np.bincount(data.train.span_columns.numpy(), minlength=spans) > 0
         mean = np.concatenate([np.tile(mean, window), np.zeros(spans)])
-        sd = np.concatenate([np.tile(sd, window), np.where(taught, 1, np.inf)])
+        sd = np.concatenate([np.tile(sd, window), np.ones(spans)])
     else:
         mean, sd = mean[:, None], sd[:, None]
     weight = of.weight / sd

@@ -54,13 +54,14 @@ def fit(config: Config, data: Data, state: Checkpoint, report: Report, keep: Kee
 @contextmanager
 def deterministic() -> Iterator[None]:
     """Only algorithms that give the same bits each time, and a generator of our own."""
-    before = torch.are_deterministic_algorithms_enabled()
-    torch.use_deterministic_algorithms(True)
+    before = torch.get_deterministic_debug_mode()
+    # As torch.use_deterministic_algorithms(True), which loads a compiler of some seconds first.
+    torch.set_deterministic_debug_mode("error")
     try:
         with torch.random.fork_rng(devices=[]):
             yield
     finally:
-        torch.use_deterministic_algorithms(before)
+        torch.set_deterministic_debug_mode(before)
 
 
 def _seed(config: Config, member: int, epoch: int) -> np.random.Generator:
@@ -84,6 +85,7 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
     member = len(state.members)
     _seed(config, member, 0)
     network = network_of(config, data, state.weights)
+    mute(network, data.train)
     optimizer = make_optimizer(config, network)
     if state.optimizer is not None:
         optimizer.load_state_dict(state.optimizer)
@@ -114,6 +116,14 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
         if is_done(config, state.epochs(member)):
             _finish_member(state)
         keep(state)
+
+
+@torch.no_grad()
+def mute(network: Net, arrays: Arrays) -> None:
+    """Let columns that training never sees, such as spans of rare phones, count for nothing."""
+    first = network.layers[0]
+    assert isinstance(first, torch.nn.Linear | torch.nn.Conv1d)
+    first.weight[:, ~arrays.taught(windows=not network.is_sequence)] = 0.0
 
 
 def _finish_member(state: Checkpoint) -> None:
