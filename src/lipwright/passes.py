@@ -43,18 +43,21 @@ def apply_passes(clip: Clip, track: PhoneTrack, passes: Iterable[Pass]) -> Clip:
     return clip
 
 
-def default_passes(
-    amount: float = 1.0, requirements: Sequence[Requirement] | None = None
-) -> list[Pass]:
-    """What `animate` applies to an engine's clip.
+def default_passes(amount: float = 1.0) -> list[Pass]:
+    """What `animate` applies to the clip of an engine of rules; `amount` is the intensity."""
+    return [intensity(amount), smooth(), silence(), consonants(), speed_limit(), limit()]
+
+
+def learnt_passes(amount: float, phones: Collection[str], controls: Collection[str]) -> list[Pass]:
+    """What `animate` applies to the clip of an engine that learnt from a real face.
 
     Args:
         amount: the intensity.
-        requirements: of consonants and rounded vowels; all of them by default. An engine that
-            learnt some from a real face needs only the rest: see `requirements_beside`.
+        phones: that it learnt.
+        controls: that it predicts.
     """
-    sounds = consonants(REQUIREMENTS if requirements is None else requirements)
-    return [intensity(amount), smooth(), silence(), sounds, speed_limit(), limit()]
+    sounds = consonants(requirements_beside(phones, controls))
+    return [intensity(amount), smooth(), silence(), parted(), sounds, speed_limit(), limit()]
 
 
 # --- ease curves ---
@@ -193,6 +196,48 @@ def silence(lead: float = SPEECH_LEAD, tail: float = SPEECH_TAIL) -> Pass:
     return hush
 
 
+# --- parted lips ---
+
+BILABIALS: Final = frozenset(("P", "B", "M", "EM"))
+PARTED: Final = 0.07  # of jawOpen less mouthClose, that lips keep where no sound shuts them
+NEAR_CLOSURE: Final = 0.06  # s before and after a closing sound in which lips may shut
+PARTING: Final = 0.04  # s more, over which they are kept apart more and more
+
+
+def parted(least: float = PARTED) -> Pass:
+    """Keep the lips from shutting where no sound shuts them, as the mean of a network may do.
+
+    Raises:
+        LipwrightError: `least` is not from 0 to 1.
+    """
+    if not 0 <= least <= 1:
+        raise LipwrightError(f"parted lips keep {least} of the jaw; give a number from 0 to 1")
+
+    def open_up(clip: Clip, track: PhoneTrack) -> Clip:
+        if not {"jawOpen", "mouthClose"} <= set(clip.names):
+            return clip
+        times = clip.times
+        share = np.where(_said(track, times), 1.0, 0.0)
+        for phone, start, end in track:
+            if phone in BILABIALS:
+                away = np.maximum(start - times, times - end) - NEAR_CLOSURE
+                share = np.minimum(share, ease(away / PARTING))
+        jaw, close = (clip.curve(name).astype(np.float64) for name in ("jawOpen", "mouthClose"))
+        missing = np.maximum(least * share - (jaw - close), 0)
+        back = np.minimum(missing, np.maximum(close, 0))
+        return clip.with_curves({"jawOpen": jaw + missing - back, "mouthClose": close - back})
+
+    return open_up
+
+
+def _said(track: PhoneTrack, times: Floats) -> npt.NDArray[np.bool_]:
+    """(T,), whether a phone is said at each time."""
+    spoken = np.array([phone != SILENCE for phone in track.phones])
+    index = np.searchsorted(track.edges, times, side="right") - 1
+    inside = (index >= 0) & (index < len(track))
+    return inside & spoken[np.clip(index, 0, len(track) - 1)]
+
+
 # --- consonants ---
 
 Mode = Literal["to", "at_least", "at_most"]
@@ -257,12 +302,16 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
 )  # fmt: skip
 
 
-# What a camera does not see of a sound, and so no network learns: the lip behind the teeth, and
-# lips that are pushed towards it.
+# What a camera sees too little of, and so no network learns: the lip behind the teeth, and lips
+# that are pushed towards it. None of these opens or shuts the lips by much.
 UNSEEN: Final[tuple[Requirement, ...]] = (
-    Requirement(("SH", "ZH", "CH", "JH"), "SHe", {"mouthFunnel": ("at_least", 0.25)}),
+    Requirement(("SH", "ZH", "CH", "JH"), "SHe",
+                {"mouthPucker": ("at_least", 0.3), "mouthFunnel": ("at_least", 0.1)}),
+    Requirement(("OW", "AO", "OY"), "gO", {"mouthPucker": ("at_least", 0.3)}),
+    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.45)}),
+    Requirement(("W", "WH"), "With", {"mouthPucker": ("at_least", 0.5)}),
     Requirement(("F", "V"), "Fork", {"mouthRollLower": ("at_least", 0.4)}),
-)
+)  # fmt: skip
 
 
 def requirements_beside(

@@ -19,7 +19,7 @@ from lipwright.export.performance import Performance
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
-from lipwright.passes import Pass, apply_passes, default_passes, requirements_beside
+from lipwright.passes import Pass, apply_passes, default_passes, learnt_passes
 from lipwright.rig import canonical_rig
 from lipwright.speech import Alignment, align
 from lipwright.track import PhoneTrack
@@ -91,7 +91,9 @@ class AnimateOptions:
         if self.passes is not None:
             return self.passes
         phones, controls = engine_learnt(self.engine, self.model)
-        return tuple(default_passes(self.intensity, requirements_beside(phones, controls)))
+        if not phones:
+            return tuple(default_passes(self.intensity))
+        return tuple(learnt_passes(self.intensity, phones, controls))
 
 
 @dataclass(frozen=True, eq=False)
