@@ -156,7 +156,7 @@ class Loss:
     l2: float = 0.0
     """squares of all weights"""
     lips: float = 0.0
-    """aperture of the lips on the head; of arkit targets"""
+    """aperture of the lips on the head; targets other than arkit do without it"""
 
     def __post_init__(self) -> None:
         """Check."""
@@ -233,7 +233,7 @@ class Config:
     average: float = 0.0
     """share of the weights of each step in the running mean that is judged and kept; 0: no mean"""
     precision: Literal["float32", "bfloat16"] = "float32"
-    """of the products of matrices in training; bfloat16 is faster where the processor has it"""
+    """of the products of matrices in training; bfloat16 where the processor multiplies it faster"""
     seed: int = 0
     comment: str = ""
 
@@ -255,7 +255,6 @@ class Config:
         need(0 <= self.average < 1, "average", "must be from 0 to below 1")
         hears = self.is_sequence and "sound" in self.features
         need(hears or self.augment == Augment(), "augment", "needs a conv network with 'sound'")
-        need(not self.loss.lips or self.targets == "arkit", "loss.lips", "needs targets 'arkit'")
         if self.is_sequence:
             reach = self.network.reach
             need("spans" not in self.features, "features", "of a conv network have no 'spans'")

@@ -284,7 +284,9 @@ def make_data(corpus: Corpus, config: Config) -> Data:
     )
     assert train is not None
     assert validation is not None
-    opening = _opening(corpus.controls, scaling) if config.loss.lips else None
+    opening = None
+    if config.loss.lips and config.targets == "arkit":
+        opening = _opening(corpus.controls, scaling)
     return Data(corpus, features, scaling, train, validation, opening, test)
 
 

@@ -65,8 +65,7 @@ def total_loss(
     loss = weights.squared * squared_error(reference_controls, estimated_controls, mask)
     if weights.motion and mask.shape[1] > 1:
         loss = loss + weights.motion * motion_error(reference_controls, estimated_controls, mask)
-    if weights.lips:
-        assert opening is not None  # data.py makes it where the configuration asks for it
+    if opening is not None:
         loss = loss + weights.lips * aperture_error(
             reference_controls, estimated_controls, mask, opening
         )
