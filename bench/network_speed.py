@@ -36,6 +36,7 @@ from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
+    from lipwright.train.config import Config
     from lipwright.train.takes import Corpus
 
 ROUNDS = 7
@@ -160,7 +161,7 @@ def random_models(folder: Path, configs: list[str]) -> dict[str, Network]:
     found = {}
     for name in configs:
         config = replace(load_config(name), targets="arkit", controls=None)
-        data = make_data(random_corpus("sound" in config.features), config)
+        data = make_data(random_corpus(config), config)
         members = [network_of(config, data).state_dict() for _ in range(config.members)]
         place = folder / str(len(found))
         place.mkdir()
@@ -170,26 +171,26 @@ def random_models(folder: Path, configs: list[str]) -> dict[str, Network]:
     return found
 
 
-def random_corpus(has_sound: bool) -> Corpus:
+def random_corpus(config: Config) -> Corpus:
     """One recording that says every phone of CMUdict, with ARKit weights of the lower face."""
     from lipwright.train.data import HEARD
     from lipwright.train.takes import SPOKEN, Corpus, Take
 
-    rng = np.random.default_rng(0)
+    rng, fps = np.random.default_rng(0), config.fps or VIDEO_FPS
     phones = (SILENCE, *CMU) * HEARD
     track = PhoneTrack(phones, 0.08 * np.arange(len(phones) + 1))
-    times = np.arange(int(track.end * VIDEO_FPS)) / VIDEO_FPS
+    times = np.arange(int(track.end * fps)) / fps
     lower = [name for group in SPOKEN for name in GROUPS[group]]
     controls = tuple(name for name in ARKIT if name in lower)
     heard = None
-    if has_sound:
+    if "sound" in config.features:
         from lipwright.features.sound import SOUND_NAMES
 
         heard = rng.random((len(times), len(SOUND_NAMES)), np.float32)
     targets = rng.random((len(times), len(controls)), np.float32)
     take = Take("random", times, targets, np.ones(len(times), bool), track, heard)
     splits: dict[str, tuple[Take, ...]] = {"train": (take,), "validation": (take,), "test": ()}
-    return Corpus(splits, controls, VIDEO_FPS, "random", "")
+    return Corpus(splits, controls, fps, "random", "", Path("random"))
 
 
 def time_animate(model: str, length: float) -> dict[str, float]:
