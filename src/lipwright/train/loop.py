@@ -105,7 +105,8 @@ def _fit_member(config: Config, data: Data, state: Checkpoint, report: Report, k
         kept = network if state.average is None else network_of(config, data, state.average)
         judged = judge(predict(kept, data.validation), data.validation, data.scaling)
         epoch = {
-            "member": member, "epoch": number, "rate": rate, "train": loss, **judged,
+            "member": member, "epoch": number, "rate": optimizer.param_groups[0]["lr"],
+            "train": loss, **judged,
             "seconds": round(time.perf_counter() - begun, 3),
         }  # fmt: skip
         _refuse_endless(epoch)
