@@ -33,6 +33,7 @@ DIGITS = dict(zip("z123456789", _DIGIT_NAMES.split(), strict=True))
 ADVERBS = {"a": "again", "n": "now", "p": "please", "s": "soon"}
 
 TEST = VALIDATION = 50  # sentences
+UNSEEN = "mvy"  # letters that models for the unseen words never learnt
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,14 @@ def _tracker() -> Tracker:
 
 
 def sentences(split: str = "all", corpora: Path = CORPORA) -> list[Sentence]:
-    """The sentences of a split: all, test, validation or train; in the split's order."""
+    """The sentences of a split, in its order: all, test, validation, train, or unseen.
+
+    Unseen are those with the letters m, v and y, for models that were trained without them.
+    """
     root = corpora / "grid-s1"
     names = sorted((path.stem for path in (root / "video").glob("*.mp4")), key=split_order)
+    if split == "unseen":
+        return [Sentence(name, root) for name in names if name[3] in UNSEEN]
     bounds = {
         "all": slice(None),
         "test": slice(TEST),

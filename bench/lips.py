@@ -107,7 +107,9 @@ def score(
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--split", default="test", choices=["all", "test", "validation", "train"])
+    parser.add_argument(
+        "--split", default="test", choices=["all", "test", "validation", "train", "unseen"]
+    )
     parser.add_argument("--first", type=int, help="only the first N sentences of the split")
     parser.add_argument("--engines", nargs="+", default=["dominance", "openfacefx"])
     parser.add_argument("--model", help="also the engine window with this model")

@@ -176,7 +176,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--engine", help="default: that of lipwright animate")
     parser.add_argument("--model", help="name or folder of a model, for the engine window")
-    parser.add_argument("--split", default="test", choices=["all", "test", "validation", "train"])
+    parser.add_argument(
+        "--split", default="test", choices=["all", "test", "validation", "train", "unseen"]
+    )
     parser.add_argument("--half", action="store_true", help="the held-out half of the train split")
     parser.add_argument("--half-names", action="store_true", help="print the names of that half")
     parser.add_argument("--first", type=int, help="only the first N sentences")

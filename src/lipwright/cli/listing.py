@@ -153,7 +153,7 @@ PARTS = (
     Part("tracker model", "fetched by the first capture", _has_tracker_model,
          "lipwright capture", needed=False),
     Part("train", "trains models: lipwright train and tune", _installed("torch", "onnx", "optuna"),
-         "pip install 'lipwright[train]'"),
+         "pip install 'lipwright[train]'", needed=False),
     Part("openfacefx", "the peer in bench/lips.py", _installed("openfacefx"),
          "pip install 'lipwright[bench]'", needed=False),
 )  # fmt: skip
