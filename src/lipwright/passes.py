@@ -306,10 +306,10 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
 # that are pushed towards it. None of these opens or shuts the lips by much.
 UNSEEN: Final[tuple[Requirement, ...]] = (
     Requirement(("SH", "ZH", "CH", "JH"), "SHe",
-                {"mouthPucker": ("at_least", 0.3), "mouthFunnel": ("at_least", 0.1)}),
-    Requirement(("OW", "AO", "OY"), "gO", {"mouthPucker": ("at_least", 0.3)}),
-    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.45)}),
-    Requirement(("W", "WH"), "With", {"mouthPucker": ("at_least", 0.5)}),
+                {"mouthPucker": ("at_least", 0.35), "mouthFunnel": ("at_least", 0.1)}),
+    Requirement(("OW", "AO", "OY"), "gO", {"mouthPucker": ("at_least", 0.4)}),
+    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.55)}),
+    Requirement(("W", "WH"), "With", {"mouthPucker": ("at_least", 0.6)}),
     Requirement(("F", "V"), "Fork", {"mouthRollLower": ("at_least", 0.4)}),
 )  # fmt: skip
 
