@@ -29,6 +29,7 @@ from lipwright.passes import (
     ease,
     intensity,
     limit,
+    parted,
     requirements_beside,
     silence,
     smooth,
@@ -626,3 +627,50 @@ class TestWhatALearntEngineStillNeeds:
     def test_the_lip_of_a_learnt_f_still_goes_behind_the_teeth(self) -> None:
         kept = requirements_beside(PHONES, CANONICAL)
         assert any("F" in r.phones and "mouthRollLower" in r.controls for r in kept)
+
+
+class TestPartedLips:
+    CLOSED = {"jawOpen": 0.2, "mouthClose": 0.2}
+
+    @staticmethod
+    def gap(clip: Clip) -> npt.NDArray[np.float32]:
+        return clip.curve("jawOpen") - clip.curve("mouthClose")
+
+    def parted_clip(self, phones: tuple[str, ...], pose: dict[str, float]) -> Clip:
+        track = PhoneTrack(phones, np.arange(len(phones) + 1) * 0.3)
+        times = frame_times(track.end, 60)
+        names = tuple(pose)
+        clip = Clip(names, 60, np.tile(list(pose.values()), (len(times), 1)))
+        return parted()(clip, track)
+
+    def test_lips_that_no_sound_shuts_are_opened_a_little(self) -> None:
+        clip = self.parted_clip(("sil", "AA", "sil"), self.CLOSED)
+        said = (clip.times > 0.31) & (clip.times < 0.59)
+        np.testing.assert_allclose(self.gap(clip)[said], 0.07, atol=1e-6)
+        np.testing.assert_allclose(clip.curve("jawOpen")[said], 0.2, atol=1e-6)
+
+    def test_a_jaw_that_is_up_goes_down_where_the_lips_hold_nothing_back(self) -> None:
+        clip = self.parted_clip(("sil", "AA", "sil"), {"jawOpen": 0.0, "mouthClose": 0.0})
+        assert self.gap(clip)[(clip.times > 0.31) & (clip.times < 0.59)].min() > 0.069
+
+    def test_closures_and_silence_stay_shut(self) -> None:
+        clip = self.parted_clip(("sil", "AA", "B", "AA"), self.CLOSED)
+        shut = (clip.times < 0.29) | ((clip.times > 0.56) & (clip.times < 0.94))
+        assert np.abs(self.gap(clip)[shut]).max() < 1e-6
+        assert self.gap(clip)[(clip.times > 0.35) & (clip.times < 0.45)].min() > 0.069
+
+    def test_lips_that_are_open_stay_as_they_are(self) -> None:
+        pose = {"jawOpen": 0.3, "mouthClose": 0.1}
+        clip = self.parted_clip(("AA", "T", "AA"), pose)
+        np.testing.assert_allclose(self.gap(clip), 0.2, atol=1e-6)
+
+    @pytest.mark.parametrize("least", [-0.1, 1.1, NAN])
+    def test_a_share_out_of_range_is_refused(self, least: float) -> None:
+        with pytest.raises(LipwrightError, match="parted lips keep"):
+            parted(least)
+
+    def test_it_does_nothing_the_second_time(self) -> None:
+        track = PhoneTrack(("sil", "AA", "B", "AA"), np.arange(5) * 0.2)
+        clip = Clip(("jawOpen", "mouthClose"), 60, np.full((49, 2), 0.1))
+        once = parted()(clip, track)
+        np.testing.assert_allclose(parted()(once, track).values, once.values, atol=1e-6)
