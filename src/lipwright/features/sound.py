@@ -121,26 +121,25 @@ def to_features(hearing: Hearing, times: npt.ArrayLike, scale: SoundScale | None
     clock = np.asarray(times, np.float64)
     if not len(hearing.level):
         return np.zeros((len(clock), len(SOUND_NAMES)), np.float32)
-    level = np.clip((hearing.level - scale.loud) / LEVEL_SPAN, *LEVEL_RANGE)
-    change = np.diff(level, prepend=level[:1])
-    cepstra = (hearing.cepstra - scale.mean) / scale.spread
-    surer = SURENESS * (hearing.likelihoods - hearing.likelihoods.max(axis=1, keepdims=True))
-    shares = np.exp(surer)
-    shares /= shares.sum(axis=1, keepdims=True)
-    rows = np.concatenate(
-        [
-            level[:, None],
-            change[:, None],
-            np.clip(cepstra, -CEPSTRUM_RANGE, CEPSTRUM_RANGE),
-            shares,
-        ],
-        axis=1,
-    ).astype(np.float32)
+    rows = _rows(hearing, scale)
     place = np.clip((clock - FRAME_CENTRE) * FRAME_RATE, 0, len(rows) - 1)
     low = np.floor(place).astype(np.int64)
     high = np.minimum(low + 1, len(rows) - 1)
     weight = (place - low)[:, None].astype(np.float32)
     return np.asarray((1 - weight) * rows[low] + weight * rows[high], np.float32)
+
+
+def _rows(hearing: Hearing, scale: SoundScale) -> Floats:
+    """(N, S), the columns of SOUND_NAMES at the frames of `hearing`."""
+    level = np.clip((hearing.level - scale.loud) / LEVEL_SPAN, *LEVEL_RANGE)
+    change = np.diff(level, prepend=level[:1])
+    spread = (hearing.cepstra - scale.mean.astype(np.float32)) / scale.spread.astype(np.float32)
+    best = hearing.likelihoods.max(axis=1, keepdims=True)
+    shares = np.exp(np.float32(SURENESS) * (hearing.likelihoods - best))
+    shares /= shares.sum(axis=1, keepdims=True)
+    heard = np.stack([level, change], axis=1).astype(np.float32)
+    cepstra = np.clip(spread, -CEPSTRUM_RANGE, CEPSTRUM_RANGE)
+    return np.concatenate([heard, cepstra, shares], axis=1)
 
 
 def sound_features(sound: Sound, times: npt.ArrayLike, scale: SoundScale | None = None) -> Floats:
