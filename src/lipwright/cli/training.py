@@ -14,7 +14,11 @@ from lipwright.errors import MissingExtraError
 
 TRAIN_EXAMPLES = """\b
 Examples:
-  lipwright train anna --config thesis -o anna-model
+  lipwright train anna --config thesis --epochs 2 -o anna-model
+    epoch 1: train 0.08749, validation 0.004411, rate 0.001, 8.2 s
+    epoch 2: train 0.03368, validation 0.004876, rate 0.001, 8.7 s
+\b
+  lipwright train anna --config lipwright -o anna-model --force
   lipwright train grid --config window --targets joint -o grid-joint
   lipwright train grid --config mine.json --seed 2 --epochs 30 -o second
 \b
@@ -98,6 +102,10 @@ def _need_extra() -> None:
 
 TUNE_EXAMPLES = """\b
 Examples:
+  lipwright tune anna --config thesis --epochs 2 --grid input_window=5,15 -o windows
+    input_window 15, validation 0.004411, error 2.176, epochs 2, seconds 0.816
+    input_window 5, validation 0.00447, error 2.626, epochs 2, seconds 9.327
+\b
   lipwright tune grid --config thesis --grid input_window=5,11,21 --grid seed=0,1 -o windows
   lipwright tune grid --random 20 --range rates.first=1e-4:1e-1:log -o rates
   lipwright tune grid --grid "network.layers=[300],[300,300]" --epochs 10 -o sizes
