@@ -32,6 +32,7 @@ from lipwright.engines.window import CHUNK_FRAMES, FrameMean
 from lipwright.files import write_whole
 from lipwright.network import Network, load_network
 from lipwright.network.meta import MODEL_FILE
+from lipwright.network.runtime import import_onnxruntime
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
@@ -79,9 +80,9 @@ def seconds(work: Callable[[], object]) -> float:
 
 def products() -> dict[str, Callable[[], object]]:
     """The same product of matrices, by the two libraries."""
-    import onnxruntime
     from onnx import TensorProto, helper, numpy_helper
 
+    onnxruntime = import_onnxruntime()
     rows, inner, columns = PRODUCT
     rng = np.random.default_rng(0)
     left = rng.standard_normal((rows, inner), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Only one program at a time writes to a dataset."""
+"""Only one program at a time writes to a dataset, a model or a search."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ LOCK_FILE: Final = ".lock"
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Hold the lock of the folder `path`; the system drops it with the process.
+def locked(path: Path, what: str = "dataset") -> Iterator[None]:
+    """Hold the lock of the folder `path`, a `what`; the system drops it with the process.
 
     Raises:
         LipwrightError: another program holds it, or the folder cannot be written to.
@@ -36,6 +36,6 @@ def locked(path: Path) -> Iterator[None]:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             raise LipwrightError(
-                f"{path}: another program is writing to this dataset; wait for its end"
+                f"{path}: another program is writing to this {what}; wait for its end"
             ) from error
         yield

@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -135,9 +136,20 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _open_session(path: Path, content: bytes) -> InferenceSession:
+def import_onnxruntime() -> ModuleType:
+    """onnxruntime, told before it is loaded to tell nobody what it runs.
+
+    From 1.31 on it writes an identifier into the temporary folder while it is imported, to send
+    usage metrics with.
+    """
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
     import onnxruntime
 
+    return cast(ModuleType, onnxruntime)
+
+
+def _open_session(path: Path, content: bytes) -> InferenceSession:
+    onnxruntime = import_onnxruntime()
     options = onnxruntime.SessionOptions()
     options.log_severity_level = _FATAL
     options.intra_op_num_threads = _cores()

@@ -88,7 +88,8 @@ def _network_lines(config: Config, data: Data) -> Iterator[str]:
     else:
         shape = f"fully connected, {_numbers(network.layers)} hidden units; {columns.size} inputs"
     yield f"- {shape}; {network.activation}, dropout {_numbers(network.drops)}"
-    yield f"- predicts {config.output_window} frames at once; overlapping ones are averaged"
+    if not config.is_sequence:
+        yield f"- predicts {config.output_window} frames at once; overlapping ones are averaged"
     if config.members > 1:
         yield f"- the mean of {config.members} such networks"
 
@@ -100,7 +101,8 @@ def _numbers(values: Sequence[float]) -> str:
 def _training_lines(config: Config, history: Sequence[dict[str, Any]]) -> Iterator[str]:
     seconds = sum(epoch["seconds"] for epoch in history)
     loss = ", ".join(f"{name} {w:g}" for name, w in config.to_json()["loss"].items() if w)
-    yield f"- {config.optimizer.kind}, rates {history[0]['rate']:g} to {history[-1]['rate']:g}"
+    rates = config.rates
+    yield f"- {config.optimizer.kind}, learning rate {rates.first:g}, {rates.schedule}"
     yield f"- weights of the loss: {loss}"
     for member in range(config.members):
         epochs = [epoch for epoch in history if epoch["member"] == member]

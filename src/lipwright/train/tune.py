@@ -187,7 +187,7 @@ def tune(
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{out}: cannot be made: {error.strerror}") from error
-    with locked(out):
+    with locked(out, "search"):
         study = _open_study(out, config, search)
         runner = _Runner(path, config, search, out, face)
         total = search.trials or math.prod(len(choice.values) for choice in search.choices)
