@@ -33,7 +33,7 @@ import numpy.typing as npt
 
 from lipwright.audio import open_audio
 from lipwright.capture.face_errors import LUMA
-from lipwright.clip import Clip
+from lipwright.clip import Clip, frame_times
 from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
 from lipwright.dataset.recording import Recording
 from lipwright.engines.window import FrameMean, predict
@@ -93,15 +93,17 @@ def load_truth(dataset: Dataset, name: str, model: str) -> Truth:
 def predict_recording(network: Network, recording: Recording) -> Clip:
     """What the network says of all frames of a recording, as curves of modes."""
     meta, audio, heard = network.meta, recording.audio, None
+    length = recording.times[-1] - recording.times[0]
+    times = recording.times[0] + frame_times(length, meta.features.fps)  # its own clock
     if audio is not None and "sound" in meta.features.kinds:
         from lipwright.features.sound import sound_features
 
         with open_audio(audio, ALIGNMENT_RATE) as sound:
-            heard = sound_features(sound, recording.times)
+            heard = sound_features(sound, times)
     mean = FrameMean(meta.output_window, len(meta.controls))
-    windows = predict(network, recording.track, recording.times, slice(None), heard)
-    values = np.concatenate([mean.add(windows), mean.end()])
-    return Clip(meta.controls, recording.motion.fps, values)
+    windows = predict(network, recording.track, times, slice(None), heard)
+    own = Clip(meta.controls, meta.features.fps, np.concatenate([mean.add(windows), mean.end()]))
+    return Clip(meta.controls, recording.motion.fps, own.at(recording.times - times[0]))
 
 
 def squared_errors(face: ReferenceFace, truth: Truth, clip: Clip) -> dict[str, Floats]:
