@@ -6,6 +6,8 @@ import json
 import os
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -171,6 +173,8 @@ class TestMeta:
             ({"features": {"kinds": ["raw"]}}, "'features': "),
             ({"features": FEATURES.to_json() | {"window": 4}}, "'features': "),
             ({"features": FEATURES.to_json() | {"fps": 1e9}}, "1e+09 fps"),
+            ({"features": FEATURES.to_json() | {"fps": 10**400}}, "not a number above 0"),
+            ({"features": FEATURES.to_json() | {"window": 1_000_001}}, "more than 1001 frames"),
             ({"features": FEATURES.to_json() | {"frame": ["x"]}}, "not those of this version"),
         ],
     )
@@ -478,3 +482,12 @@ class TestGolden:
         (model / "golden.npz").write_bytes(b"\x80\x04N.")  # a pickle of None
         rehash(model)
         assert "golden.npz: damaged" in refusal(model, check_golden)
+
+
+def test_running_a_network_leaves_nothing_in_the_temporary_folder(tmp_path: Path) -> None:
+    """onnxruntime writes an identifier there, for usage metrics, unless it is told not to."""
+    code = "from lipwright.network import load_network; load_network('lipwright')"
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    environment.pop("ORT_DISABLE_TELEMETRY", None)
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+    assert list(tmp_path.iterdir()) == []

@@ -16,8 +16,11 @@ import numpy as np
 import pytest
 
 from lipwright.cli import run
+from lipwright.errors import LipwrightError
 
 torch = pytest.importorskip("torch", reason="the extra `train` is not installed")
+
+from lipwright.train.run import TrainOptions, _move  # noqa: E402  # needs the extra
 
 SMALL: dict[str, Any] = {
     "name": "small", "features": ["raw"], "input_window": 5, "output_window": 3,
@@ -187,6 +190,17 @@ def test_a_dataset_without_a_test_split_trains_and_its_card_says_so(place: Path)
     assert "keeps no recording for the test" in (place / "model" / "card.md").read_text()
 
 
+@pytest.mark.parametrize("split", ["train", "validation", "test"])
+def test_a_split_in_which_no_face_is_seen_is_named_before_the_work(
+    split: str, place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = place / "both" / "recordings" / name_of(place, split) / "motion.npz"
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    np.savez(path, **{**arrays, "flags": np.full_like(arrays["flags"], 1)})
+    assert f"no frame for {split} shows a face; run: " in refusal(place, capsys)
+
+
 def test_modes_without_a_fitted_face_give_the_command_that_fits_it(
     place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -293,6 +307,35 @@ def test_a_folder_with_files_of_somebody_else_is_left_alone_even_by_force(
         assert train(place, *more) == 2
         assert "is a folder with other files; name a new folder" in capsys.readouterr().err
     assert (place / "model" / "thesis.tex").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["", ".", "/", "model/.."])
+def test_a_path_without_a_name_of_its_own_is_no_new_folder(
+    name: str, place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    assert run(["train", "both", "-c", "small.json", "-o", name]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert line.endswith("is no name of a new folder; give the model one")
+
+
+def test_only_the_model_itself_is_replaced_and_nothing_that_came_meanwhile(place: Path) -> None:
+    for name in ("model", "model.part", "model.old"):
+        (place / name).mkdir()
+    (place / "model" / "meta.json").write_text("{}")
+    (place / "model.part" / "meta.json").write_text("{}")
+    (place / "model.old" / "thesis.tex").write_text("mine")
+    _move(place / "model.part", place / "model", TrainOptions(force=True))
+    assert not (place / "model.part").exists()
+    (place / "model.part").mkdir()
+    with pytest.raises(LipwrightError, match="is a finished model; add --force"):
+        _move(place / "model.part", place / "model", TrainOptions())
+    (place / "model" / "meta.json").rename(place / "model" / "thesis.tex")
+    with pytest.raises(LipwrightError, match="with other files"):
+        _move(place / "model.part", place / "model", TrainOptions(force=True))
+    assert (place / "model.old" / "thesis.tex").read_text() == "mine"
+    assert (place / "model" / "thesis.tex").is_file()
+    assert (place / "model.part").is_dir()
 
 
 def interrupted_training(place: Path) -> Path:

@@ -539,7 +539,7 @@ class TestCommands:
         self, place: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         folder = str(place / "anna")
-        change_meta(place / "anna", licence="CC0\x1b[2J", metrics={"test": {"r": 0.8125}})
+        change_meta(place / "anna", licence="CC0\x1b[2J\ud800", metrics={"test": {"r": 0.8125}})
         models.main(["info", folder], standalone_mode=False)
         shown = capsys.readouterr().out
         assert "predicts: ARKit weights, 2 controls\n" in shown

@@ -69,7 +69,7 @@ def info(model: str, as_json: bool) -> None:
     folder = find_model(model)
     meta = read_meta(folder)
     if as_json:
-        click.echo(json.dumps(meta.to_json(), indent=1, ensure_ascii=False))
+        click.echo(json.dumps(meta.to_json(), indent=1))
         return
     for name, value in _summary(folder, meta):
         line = f"{name}: {value}"  # of a stranger's file: nothing in it may steer the terminal

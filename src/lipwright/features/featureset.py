@@ -66,7 +66,7 @@ class FeatureSet:
             raise ValueError(f"features are not some of {', '.join(KINDS)}, each once, in order")
         if type(self.window) is not int or self.window < 1 or self.window % 2 == 0:
             raise ValueError(f"the window is {self.window!r} frames, not an odd number from 1 on")
-        if not 0 < self.fps < np.inf:
+        if not 0 < self.fps < 2.0**1023:  # of a whole number, too, that has no float
             raise ValueError(f"fps is {self.fps!r}, not a number above 0")
         check_phones(phones)
         if phones[0] != SILENCE or len(set(phones)) != len(phones):

@@ -33,6 +33,7 @@ TARGETS: Final[Mapping[Target, str]] = MappingProxyType({
 """what a network predicts, and its name for people"""
 
 MAX_OUTPUT_WINDOW: Final = 101  # frames; the papers go to 15
+MAX_WINDOW: Final = 1001  # frames; a network is tried with one, and a wider one fills the memory
 _SHA256: Final = re.compile(r"[0-9a-f]{64}")
 _TEXTS: Final = ("lipwright", "name", "kind", "target", "licence", "data", "date")
 _OBJECTS: Final = ("features", "files", "metrics")
@@ -96,6 +97,8 @@ class ModelMeta:
                 f"'output_window' is {self.output_window}, not odd and from 1 to "
                 f"{MAX_OUTPUT_WINDOW} frames"
             )
+        if self.features.window > MAX_WINDOW:
+            raise ValueError(f"'features' have a window of more than {MAX_WINDOW} frames")
         if self.features.fps > MAX_FPS:
             raise ValueError(f"'features' are of {self.features.fps:g} fps, over {MAX_FPS:g}")
         if self.kind == "sequence":

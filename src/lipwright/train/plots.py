@@ -28,7 +28,7 @@ def write_losses(path: Path, history: Sequence[dict[str, Any]]) -> None:
         best = min(epochs, key=lambda epoch: epoch["validation"])
         axes.plot(best["epoch"], best["validation"], "o", color=VALIDATION_COLOUR, fillstyle="none")
     axes.set(xlabel="epoch", ylabel="loss", yscale="log")
-    axes.legend()
+    axes.legend(loc="upper right")  # "best" warns of its own slowness on a busy machine
     _save(figure, path)
 
 

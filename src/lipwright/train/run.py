@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import secrets
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -60,7 +61,13 @@ class Trained:
 
 
 def part_of(out: Path) -> Path:
-    """Where a model is made, before it takes its place."""
+    """Where a model is made, before it takes its place.
+
+    Raises:
+        LipwrightError: the path has no name of its own, as `.` has none.
+    """
+    if out.name in {"", ".."}:
+        raise LipwrightError(f"{out}: is no name of a new folder; give the model one")
     return out.with_name(f"{out.name}.part")
 
 
@@ -86,7 +93,7 @@ def train(
     """
     dataset = open_dataset(path)
     place = _make_place(out, options)
-    with locked(place):
+    with locked(place, "model"):
         data = make_data(read_corpus(dataset, config, options.face, report), config)
         folder = place / TRAINING
         state = fit_in(folder, config, data, force=options.force, report=report, tell=tell)
@@ -94,24 +101,29 @@ def train(
         report("export", 0.0)
         metrics = _finish(config, data, state, place, options)
         report("export", 1.0)
-    _move(place, out)
+    _move(place, out, options)
     return Trained(out, state.history, metrics)
 
 
 def _make_place(out: Path, options: TrainOptions) -> Path:
     place = part_of(out)
     try:
-        if out.exists() and not out.is_dir():
-            raise LipwrightError(f"{out}: is a file; name a new folder")
-        if (out / META_FILE).is_file():
-            if not options.force:
-                raise LipwrightError(f"{out}: is a finished model; add --force to replace it")
-        elif out.is_dir() and any(out.iterdir()):
-            raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
+        _refuse_others(out, options)
         (place / TRAINING).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{place}: cannot be made: {error.strerror}") from error
     return place
+
+
+def _refuse_others(out: Path, options: TrainOptions) -> None:
+    """Leave alone what is not a model, or one that is to stay."""
+    if out.exists() and not out.is_dir():
+        raise LipwrightError(f"{out}: is a file; name a new folder")
+    if (out / META_FILE).is_file():
+        if not options.force:
+            raise LipwrightError(f"{out}: is a finished model; add --force to replace it")
+    elif out.is_dir() and any(out.iterdir()):
+        raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
 
 
 def fit_in(
@@ -178,13 +190,13 @@ def _finish(
     return metrics
 
 
-def _move(place: Path, out: Path) -> None:
-    """Put the finished folder in its place."""
+def _move(place: Path, out: Path, options: TrainOptions) -> None:
+    """Put the finished folder in its place; hours may have passed since that was free."""
     try:
+        _refuse_others(out, options)
         (place / LOCK_FILE).unlink(missing_ok=True)
         if out.is_dir() and any(out.iterdir()):
-            old = out.with_name(f"{out.name}.old")
-            shutil.rmtree(old, ignore_errors=True)
+            old = out.with_name(f".{secrets.token_hex(4)}.old.{out.name[-60:]}")
             out.rename(old)
             place.rename(out)
             shutil.rmtree(old, ignore_errors=True)

@@ -122,9 +122,11 @@ def read_corpus(
             done += 1
             if report is not None:
                 report("read", done / total)
-    for split in (TRAIN, VALIDATION):
-        if not any(take.valid.any() for take in splits[split]):
-            raise LipwrightError(f"{dataset.path}: no frame for {split} shows a face")
+    for split, takes in splits.items():
+        if takes and not any(take.valid.any() for take in takes):
+            raise LipwrightError(
+                f"{dataset.path}: no frame for {split} shows a face; run: lipwright dataset split"
+            )
     columns = _columns(dataset, config, reader.names, splits[TRAIN])
     if "sound" in config.features:
         splits = _with_sound(dataset, config, splits, report)
