@@ -190,15 +190,15 @@ def test_a_dataset_without_a_test_split_trains_and_its_card_says_so(place: Path)
     assert "keeps no recording for the test" in (place / "model" / "card.md").read_text()
 
 
-@pytest.mark.parametrize("split", ["train", "validation", "test"])
+@pytest.mark.parametrize("part", ["train", "validation", "test"])
 def test_a_split_in_which_no_face_is_seen_is_named_before_the_work(
-    split: str, place: Path, capsys: pytest.CaptureFixture[str]
+    part: str, place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = place / "both" / "recordings" / name_of(place, split) / "motion.npz"
+    path = place / "both" / "recordings" / name_of(place, part) / "motion.npz"
     with np.load(path) as stored:
         arrays = {name: stored[name] for name in stored.files}
     np.savez(path, **{**arrays, "flags": np.full_like(arrays["flags"], 1)})
-    assert f"no frame for {split} shows a face; run: " in refusal(place, capsys)
+    assert f"no frame for {part} shows a face; run: " in refusal(place, capsys)
 
 
 def test_modes_without_a_fitted_face_give_the_command_that_fits_it(
