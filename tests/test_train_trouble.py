@@ -478,6 +478,21 @@ def test_results_of_another_search_or_broken_ones_are_left_alone(
     assert line.startswith(f"lipwright: {out / 'journal.log'}: not readable")
 
 
+def test_a_search_leaves_folders_of_somebody_else_alone(
+    place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (place / "mine").mkdir()
+    (place / "mine" / "trials.csv").write_text("mine")
+    for out in (place / "mine", place / "both"):
+        before = sorted(path.name for path in out.iterdir())
+        command = ["tune", str(place / "both"), "-c", str(place / "small.json"), "-o", str(out)]
+        assert run([*command, "--grid", "seed=1,2"]) == 2
+        [line] = capsys.readouterr().err.splitlines()
+        assert line == f"lipwright: {out}: is a folder with other files; name a new folder"
+        assert sorted(path.name for path in out.iterdir()) == before
+    assert (place / "mine" / "trials.csv").read_text() == "mine"
+
+
 def test_a_trial_that_fails_is_listed_last_with_its_reason(
     place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -148,6 +148,22 @@ def test_noise_has_the_spread_asked_for(data: Data) -> None:
     assert added.std().item() == pytest.approx(0.1 * 2**0.5, rel=0.05)
 
 
+@pytest.mark.parametrize("deaf_takes", [1, 3])
+def test_recordings_without_sound_are_learnt_from_as_phones_alone(
+    deaf_takes: int, chosen: Config
+) -> None:
+    corpus = with_sound(toy(takes=3))
+    takes = tuple(
+        replace(take, sound=None, voices=()) if index < deaf_takes else take
+        for index, take in enumerate(corpus.of("train"))
+    )
+    data = make_data(replace(corpus, splits={**corpus.splits, "train": takes}), chosen)
+    where = torch.arange(0, len(takes[0].times) - 10)
+    changed = augmented(data.train, where, 10, chosen.augment, np.random.default_rng(0))
+    assert (changed[:, :, -SOUND:] == 0).all()
+    trained(chosen, data)
+
+
 def test_other_voices_need_sound_and_convolutions() -> None:
     with pytest.raises(LipwrightError, match="augment"):
         config(augment={"deaf": 0.1})

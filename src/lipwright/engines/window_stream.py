@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.clip import frame_times
+from lipwright.clip import MAX_FPS, frame_times
 from lipwright.engines.resample import Resampler
 from lipwright.engines.window import CHUNK_FRAMES, FrameMean, Values, arrange, clip_names, predict
 from lipwright.features.timing import SIGHT
@@ -43,10 +43,10 @@ class Stream:
         """Frames at `fps` a second; with `sound`, its features are given by `hear`.
 
         Raises:
-            ValueError: the network hears no sound, or fps is not above 0.
+            ValueError: the network hears no sound, or fps is not above 0 and at most 1000.
         """
-        if not fps > 0:
-            raise ValueError(f"fps is {fps}, not above 0")
+        if not 0 < fps <= MAX_FPS:
+            raise ValueError(f"fps is {fps}, not above 0 and at most {MAX_FPS:.0f}")
         meta = network.meta
         if sound and "sound" not in meta.features.kinds:
             raise ValueError("the network hears no sound; leave `sound` out")

@@ -23,7 +23,8 @@ def augmented(
         return inputs
     columns = len(SOUND_NAMES)  # S, the last of a frame; before them whether there is sound
     heard = inputs[:, :, -columns:]
-    if augment.voiced:
+    silent = (heard == 0).flatten(1).all(dim=1)  # recordings without sound stay without
+    if augment.voiced and len(arrays.voices):
         voice = random.integers(len(arrays.voices), size=len(chosen))
         other = random.random(len(chosen)) < augment.voiced
         for row in np.flatnonzero(other):
@@ -32,5 +33,5 @@ def augmented(
         for shape in (heard.shape, (len(chosen), 1, columns)):
             heard += augment.noise * torch.from_numpy(random.standard_normal(shape, np.float32))
     deaf = torch.from_numpy(random.random(len(chosen)) < augment.deaf)
-    inputs[deaf, :, -columns - 1 :] = 0
+    inputs[deaf | silent, :, -columns - 1 :] = 0
     return inputs

@@ -20,6 +20,7 @@ from lipwright.features import KINDS as FEATURE_KINDS
 from lipwright.features import FeatureSet
 from lipwright.features.featureset import HEARD as HEARD_SOUND
 from lipwright.features.known import seen_phones
+from lipwright.features.sound import SOUND_NAMES
 from lipwright.features.timing import TIMING
 from lipwright.phones import SILENCE
 from lipwright.train.config import Config
@@ -173,7 +174,7 @@ def make_arrays(
         count = len(take.times)
         seen = features.frames(take.track, take.times, take.sound)
         frames.append(_with_ends((seen - scaling.input_mean) / scaling.input_sd, pad))
-        voices.append(_voices(take, pad))
+        voices.append(_voices(take, pad, max(len(other.voices) for other in takes)))
         apart = (take.targets - scaling.mean) / scaling.sd
         targets.append(_with_ends(np.where(take.valid[:, None], apart, 0), pad))
         masks.append(_with_ends(take.valid, pad))
@@ -194,10 +195,10 @@ def make_arrays(
     )  # fmt: skip
 
 
-def _voices(take: Take, pad: int) -> npt.NDArray[np.float32]:
-    """(V, R, S), the sound of a take in other voices; V and S are 0 without."""
+def _voices(take: Take, pad: int, count: int) -> npt.NDArray[np.float32]:
+    """(V, R, S), the sound of a take in `count` other voices; zeros where it has no sound."""
     if not take.voices:
-        return np.zeros((0, len(take.times) + 2 * pad, 0), np.float32)
+        return np.zeros((count, len(take.times) + 2 * pad, len(SOUND_NAMES)), np.float32)
     return np.stack([_with_ends(voice, pad) for voice in take.voices])
 
 

@@ -24,7 +24,7 @@ from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, Trial, TrialState
 
 from lipwright.dataset.folder import open_dataset
-from lipwright.dataset.lock import locked
+from lipwright.dataset.lock import LOCK_FILE, locked
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.train.config import Config
@@ -185,8 +185,11 @@ def tune(
     search.check(config, config.name)
     try:
         out.mkdir(parents=True, exist_ok=True)
+        found = {path.name for path in out.iterdir()} - {LOCK_FILE}
     except OSError as error:
         raise LipwrightError(f"{out}: cannot be made: {error.strerror}") from error
+    if found and JOURNAL_FILE not in found:
+        raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
     with locked(out, "search"):
         study = _open_study(out, config, search)
         runner = _Runner(path, config, search, out, face)
