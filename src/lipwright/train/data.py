@@ -170,11 +170,12 @@ def make_arrays(
     pad = max(config.input_window, config.output_window) // 2
     frames, voices, targets, masks, rows, columns, counts = [], [], [], [], [], [], []
     starts, row = [0], 0
+    most = max(len(take.voices) for take in takes)
     for take in takes:
         count = len(take.times)
         seen = features.frames(take.track, take.times, take.sound)
         frames.append(_with_ends((seen - scaling.input_mean) / scaling.input_sd, pad))
-        voices.append(_voices(take, pad, max(len(other.voices) for other in takes)))
+        voices.append(_voices(take, pad, most))
         apart = (take.targets - scaling.mean) / scaling.sd
         targets.append(_with_ends(np.where(take.valid[:, None], apart, 0), pad))
         masks.append(_with_ends(take.valid, pad))
