@@ -478,6 +478,25 @@ def test_results_of_another_search_or_broken_ones_are_left_alone(
     assert line.startswith(f"lipwright: {out / 'journal.log'}: not readable")
 
 
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.999])
+def test_a_search_goes_on_with_what_a_kill_left_of_its_journal(
+    share: float, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)  # optuna's lock of a relative path is a link to nowhere
+    command = ["tune", "both", "-c", "small.json", "-o", "found", "--grid", "seed=1,2"]
+    assert run(command) == 0
+    before = (place / "found" / "trials.csv").read_text()
+    journal = place / "found" / "journal.log"
+    journal.write_bytes(journal.read_bytes()[: int(journal.stat().st_size * share)])
+    (place / "found" / "journal.log.lock").symlink_to("found/journal.log")
+    assert run(command) == 0
+    assert run(command) == 0
+    after = (place / "found" / "trials.csv").read_text()
+    assert [line.split(",")[:3] for line in after.splitlines()] == [
+        line.split(",")[:3] for line in before.splitlines()
+    ]
+
+
 def test_a_search_leaves_folders_of_somebody_else_alone(
     place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -30,6 +30,7 @@ from lipwright.files import write_whole
 from lipwright.train.config import Config
 from lipwright.train.config_file import override
 from lipwright.train.data import make_data
+from lipwright.train.journal import mend
 from lipwright.train.plots import write_trials
 from lipwright.train.run import fit_in
 from lipwright.train.takes import Corpus, Report, read_corpus
@@ -37,7 +38,6 @@ from lipwright.train.takes import Corpus, Report, read_corpus
 JOURNAL_FILE: Final = "journal.log"
 TABLE_FILE: Final = "trials.csv"
 PLOT_FILE: Final = "trials.png"
-STUDY: Final = "tune"
 FIGURES: Final = ("validation", "error", "epochs", "seconds", "problem")
 PROBLEM: Final = "problem"
 
@@ -198,8 +198,7 @@ def tune(
             report("tune", done / total)
             study.sampler = _sampler(search, config.seed, done)
             study.optimize(runner.run, n_trials=1)
-            rows = _rows(study, search)
-            _write_table(out / TABLE_FILE, search, rows)
+            _write_table(out / TABLE_FILE, search, _rows(study, search))
             tell(_row(_finished(study)[-1], search))
         write_trials(out / PLOT_FILE, search.keys, _rows(study, search))
         report("tune", 1.0)
@@ -219,8 +218,9 @@ def _open_study(out: Path, config: Config, search: Search) -> optuna.Study:
     path = out / JOURNAL_FILE
     plain = json.dumps({"config": config.to_json(), "search": {**asdict(search), "trials": None}})
     try:
+        mend(path)
         storage = JournalStorage(JournalFileBackend(str(path)))
-        study = optuna.create_study(storage=storage, study_name=STUDY, load_if_exists=True)
+        study = optuna.create_study(storage=storage, study_name="tune", load_if_exists=True)
         known = study.user_attrs.get("search")
     except (OSError, ValueError, KeyError) as error:
         raise LipwrightError(f"{path}: not readable; name another folder ({error})") from error
