@@ -8,7 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,21 +22,14 @@ torch = pytest.importorskip("torch", reason="the extra `train` is not installed"
 
 from lipwright.train.run import TrainOptions, _move  # noqa: E402  # needs the extra
 
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
+
 SMALL: dict[str, Any] = {
     "name": "small", "features": ["raw"], "input_window": 5, "output_window": 3,
     "network": {"layers": [8], "dropout": [0.2]}, "optimizer": {"kind": "adam"},
     "rates": {"first": 0.01}, "batch": 20, "epochs": 2,
 }  # fmt: skip
 Edit = Callable[[Path], None]
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _one_thread() -> Iterator[None]:
-    """Networks this small are slower with more."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -47,17 +47,10 @@ from lipwright.train.measures import measure, predict_takes  # noqa: E402
 from lipwright.train.networks import make_network  # noqa: E402
 from lipwright.train.takes import Corpus, Take, read_corpus, resampled  # noqa: E402
 
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
+
 SPOKEN = ("AA", "B", "S", "UW", "M")
 FPS = 25.0
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _one_thread() -> Iterator[None]:
-    """Networks this small are slower with more."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def some_track(random: np.random.Generator, seconds: float) -> PhoneTrack:

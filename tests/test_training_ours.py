@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,8 @@ from lipwright.train.measures import predict_takes  # noqa: E402
 from lipwright.train.takes import Corpus  # noqa: E402
 from test_training import CONV, bits, config, some_track, toy, trained  # noqa: E402  # needs torch
 
+pytestmark = pytest.mark.usefixtures("one_torch_thread")
+
 GATED = CONV | {
     "network.kind": "gated", "network.layers": [8, 8], "network.kernels": [3, 5],
     "network.init": "torch",
@@ -40,14 +41,6 @@ HEARING = GATED | {
     "augment": {"voices": [0.9, 1.2], "voiced": 0.5, "deaf": 0.3, "noise": 0.1},
 }  # fmt: skip
 SOUND = len(SOUND_NAMES)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _one_thread() -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def with_sound(corpus: Corpus) -> Corpus:

@@ -163,6 +163,9 @@ _ROWS: Final[tuple[Phone, ...]] = (
 PHONES: Final = MappingProxyType({phone.symbol: phone for phone in _ROWS})
 """symbol to row, in the order of the table"""
 
+BILABIALS: Final = frozenset(p.symbol for p in _ROWS if p.place == "bilabial")
+"""the phones at which the lips touch"""
+
 # Labels that tools write for silence, pauses and noise (MFA, Praat, HTK, Kaldi, TIMIT,
 # pocketsphinx, espeak, MBROLA, FestVox, BAS).
 SILENCE_LABELS: Final = frozenset(

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from lipwright.capture.pose import to_picture
 from lipwright.dataset.recording import Flag, Motion
 from lipwright.errors import MissingExtraError
-from lipwright.evaluate.lips import BILABIALS, speech_span
-from lipwright.phones import SILENCE
+from lipwright.evaluate.lips import speech_span
+from lipwright.phones import BILABIALS, SILENCE
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.dataset.recording import Flag, Motion
-from lipwright.evaluate.lips import BILABIALS, CLOSED, LOUD_PERCENTILE, OPEN, runs
+from lipwright.evaluate.lips import CLOSED, LOUD_PERCENTILE, OPEN, runs
+from lipwright.phones import BILABIALS
 from lipwright.track import PhoneTrack
 
 Floats = npt.NDArray[np.floating]

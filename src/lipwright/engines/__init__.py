@@ -14,6 +14,7 @@ from lipwright.errors import LipwrightError
 if TYPE_CHECKING:
     from lipwright.audio import AudioFile
     from lipwright.clip import Clip
+    from lipwright.network import Network
     from lipwright.track import PhoneTrack
 
 DEFAULT: Final = "window"
@@ -103,11 +104,10 @@ def engine_learnt(
     Raises:
         LipwrightError: as `engine_controls`.
     """
-    entry = ENGINES[choose_engine(name, model)]
-    if not entry.runs_models:
+    network = _network_of(name, model)
+    if network is None:
         return frozenset(), frozenset()
-    meta = import_module(entry.module).open_network(model).meta
-    return frozenset(meta.features.phones), frozenset(meta.controls)
+    return frozenset(network.meta.features.phones), frozenset(network.meta.controls)
 
 
 def engine_controls(name: str | None = None, model: str | Path | None = None) -> tuple[str, ...]:
@@ -118,8 +118,11 @@ def engine_controls(name: str | None = None, model: str | Path | None = None) ->
     """
     from lipwright.controls import CANONICAL
 
+    network = _network_of(name, model)
+    return CANONICAL if network is None or network.meta.moves_heads else network.meta.controls
+
+
+def _network_of(name: str | None, model: str | Path | None) -> Network | None:
+    """The network that an engine runs; None of one with rules."""
     entry = ENGINES[choose_engine(name, model)]
-    if not entry.runs_models:
-        return CANONICAL
-    module = import_module(entry.module)
-    return cast("tuple[str, ...]", module.clip_names(module.open_network(model)))
+    return import_module(entry.module).open_network(model) if entry.runs_models else None

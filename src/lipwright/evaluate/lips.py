@@ -13,10 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.phones import SILENCE
+from lipwright.phones import BILABIALS, SILENCE
 from lipwright.track import PhoneTrack
-
-BILABIALS = frozenset(("P", "B", "M", "EM"))
 
 LOUD_PERCENTILE = 95  # the opening that a recording's shares are taken of
 CLOSED = 0.15  # share of it under which lips count as closed

@@ -14,8 +14,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.clip import Clip
 from lipwright.speech.acoustic import load_model
-from lipwright.speech.features import FRAME_CENTRE, FRAME_RATE, N_CEPSTRA, with_differences
+from lipwright.speech.features import (
+    FRAME_CENTRE,
+    FRAME_RATE,
+    N_CEPSTRA,
+    filter_corners,
+    with_differences,
+)
 from lipwright.speech.recording import levels, spectra, static_features
 from lipwright.speech.silence import speech_level
 
@@ -121,12 +128,7 @@ def to_features(hearing: Hearing, times: npt.ArrayLike, scale: SoundScale | None
     clock = np.asarray(times, np.float64)
     if not len(hearing.level):
         return np.zeros((len(clock), len(SOUND_NAMES)), np.float32)
-    rows = _rows(hearing, scale)
-    place = np.clip((clock - FRAME_CENTRE) * FRAME_RATE, 0, len(rows) - 1)
-    low = np.floor(place).astype(np.int64)
-    high = np.minimum(low + 1, len(rows) - 1)
-    weight = (place - low)[:, None].astype(np.float32)
-    return np.asarray((1 - weight) * rows[low] + weight * rows[high], np.float32)
+    return Clip(SOUND_NAMES, FRAME_RATE, _rows(hearing, scale)).at(clock - FRAME_CENTRE)
 
 
 def _rows(hearing: Hearing, scale: SoundScale) -> Floats:
@@ -162,8 +164,6 @@ def sound_features(sound: Sound, times: npt.ArrayLike, scale: SoundScale | None 
 
 # --- other voices ---
 
-_LOWEST_HZ, _HIGHEST_HZ = 130.0, 6800.0  # of the mel filters of speech/features.py
-
 
 def warped(power: Floats, factor: float) -> Floats:
     """Mel power (N, 25) of the same speech out of another throat.
@@ -176,9 +176,8 @@ def warped(power: Floats, factor: float) -> Floats:
     """
     if not 0.5 <= factor <= 2:
         raise ValueError(f"the factor is {factor}, not from 0.5 to 2")
-    count = power.shape[1]
-    low, high = (2595 * np.log10(1 + hz / 700) for hz in (_LOWEST_HZ, _HIGHEST_HZ))
-    centres = 700 * (10 ** (np.linspace(low, high, count + 2)[1:-1] / 2595) - 1)
+    centres = filter_corners()[1:-1]
+    count = len(centres)
     place = np.interp(centres / factor, centres, np.arange(count))
     lower = np.floor(place).astype(np.int64)
     upper = np.minimum(lower + 1, count - 1)

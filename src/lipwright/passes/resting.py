@@ -12,13 +12,12 @@ from lipwright.clip import Clip
 from lipwright.controls import GROUPS
 from lipwright.errors import LipwrightError
 from lipwright.passes.kinds import Floats, Pass, ease
-from lipwright.phones import SILENCE
+from lipwright.phones import BILABIALS, SILENCE
 from lipwright.track import PhoneTrack
 
 SPEECH_LEAD = 0.12  # s before the first sound in which the mouth begins to open
 SPEECH_TAIL = 0.16  # s after the last sound by which it is shut
 
-BILABIALS: Final = frozenset(("P", "B", "M", "EM"))
 PARTED: Final = 0.07  # of jawOpen less mouthClose, that lips keep where no sound shuts them
 NEAR_CLOSURE: Final = 0.06  # s before and after a closing sound in which lips may shut
 PARTING: Final = 0.04  # s more, over which they are kept apart more and more

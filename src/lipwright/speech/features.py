@@ -46,13 +46,18 @@ _MAX_GAIN: Final = 20.0
 _SPREAD: Final = 4  # filters on each side over which the gain is averaged
 
 
+def filter_corners() -> Doubles:
+    """(27,) Hz, evenly apart in mel: where filter k begins (k), peaks (k + 1) and ends (k + 2)."""
+    low, high = (2595 * np.log10(1 + hz / 700) for hz in (_LOWEST_HZ, _HIGHEST_HZ))
+    mel = low + (high - low) / (N_FILTERS + 1) * np.arange(N_FILTERS + 2)
+    return np.asarray(700 * (10 ** (mel / 2595) - 1))
+
+
 @lru_cache(maxsize=1)
 def _filters() -> Doubles:
     """(257, 25) weights of the power spectrum in each mel filter, each of unit area."""
     step = RATE / _FFT
-    low, high = (2595 * np.log10(1 + hz / 700) for hz in (_LOWEST_HZ, _HIGHEST_HZ))
-    mel = low + (high - low) / (N_FILTERS + 1) * np.arange(N_FILTERS + 2)
-    corners = np.floor(700 * (10 ** (mel / 2595) - 1) / step + 0.5) * step
+    corners = np.floor(filter_corners() / step + 0.5) * step
     left, centre, right = corners[:-2], corners[1:-1], corners[2:]
     hz = step * np.arange(_FFT // 2 + 1)[:, None]
     slopes = np.minimum((hz - left) / (centre - left), (right - hz) / (right - centre))

@@ -91,10 +91,15 @@ class Network:
         )
 
     @property
+    def taps(self) -> tuple[tuple[int, int], ...]:
+        """Kernel and dilation of each convolution."""
+        dilations = self.dilations or (1,) * len(self.kernels)
+        return tuple(zip(self.kernels, dilations, strict=True))
+
+    @property
     def reach(self) -> int:
         """Frames that one output of a convolution sees."""
-        dilations = self.dilations or (1,) * len(self.kernels)
-        return 1 + sum((k - 1) * d for k, d in zip(self.kernels, dilations, strict=True))
+        return 1 + sum((kernel - 1) * dilation for kernel, dilation in self.taps)
 
 
 @dataclass(frozen=True)

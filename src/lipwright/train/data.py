@@ -261,11 +261,6 @@ class Data:
     """None where the dataset keeps no recording for the test"""
 
     @property
-    def inputs(self) -> int:
-        """Columns of a frame."""
-        return self.features.frame_size
-
-    @property
     def controls(self) -> tuple[str, ...]:
         """C names."""
         return self.corpus.controls

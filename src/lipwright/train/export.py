@@ -6,8 +6,7 @@ else here does.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -20,6 +19,7 @@ import torch
 from onnx import TensorProto, helper, numpy_helper
 from torch import nn
 
+from lipwright.dataset.folder import sha256_of
 from lipwright.dataset.recording import to_json
 from lipwright.errors import LipwrightError
 from lipwright.network import ModelMeta, check_golden
@@ -53,9 +53,7 @@ def folded(network: Net, data: Data) -> list[Weighted | nn.Module]:
     layers: list[Weighted | nn.Module] = []
     for layer in network.layers:
         if isinstance(layer, nn.Linear | nn.Conv1d):
-            assert layer.bias is not None
-            weight, bias = layer.weight.detach().numpy(), layer.bias.detach().numpy()
-            layers.append(Weighted(layer, weight.astype(np.float64), bias.astype(np.float64)))
+            layers.append(_weighted(layer))
         elif not isinstance(layer, nn.Dropout):
             layers.append(layer)
     assert isinstance(layers[0], Weighted)
@@ -63,6 +61,12 @@ def folded(network: Net, data: Data) -> list[Weighted | nn.Module]:
     assert isinstance(layers[-1], Weighted)
     layers[-1] = _fold_outputs(layers[-1], data)
     return layers
+
+
+def _weighted(layer: nn.Linear | nn.Conv1d) -> Weighted:
+    assert layer.bias is not None
+    weight, bias = layer.weight.detach().numpy(), layer.bias.detach().numpy()
+    return Weighted(layer, weight.astype(np.float64), bias.astype(np.float64))
 
 
 def _fold_inputs(of: Weighted, data: Data) -> Weighted:
@@ -122,28 +126,17 @@ class Graph:
 
     def gated(self, block: GatedBlock, given: str) -> str:
         """A gated convolution and what goes past it; the name of their sum."""
-        both = self.convolution(block.both, given)
-        halves = [self.slice(both, first, stop, axis=1) for first, stop in _halves(block)]
-        value, gate = self.node("Tanh", halves[0]), self.node("Sigmoid", halves[1])
-        added = self.convolution(block.out, self.node("Mul", value, gate))
+        both, channels = self.layer(_weighted(block.both), given), block.out.in_channels
+        value = self.node("Tanh", self.slice(both, 0, channels, axis=1))
+        gate = self.node("Sigmoid", self.slice(both, channels, 2 * channels, axis=1))
+        added = self.layer(_weighted(block.out), self.node("Mul", value, gate))
         past = self.slice(given, block.cut, -block.cut, axis=2) if block.cut else given
         return self.node("Add", past, added)
-
-    def convolution(self, layer: nn.Conv1d, given: str) -> str:
-        """A convolution as it was learnt; the name of its output."""
-        assert layer.bias is not None
-        parts = [self.weight(part.detach().numpy()) for part in (layer.weight, layer.bias)]
-        return self.node("Conv", given, *parts, dilations=list(layer.dilation))
 
     def slice(self, given: str, first: int, stop: int, axis: int) -> str:
         """Part of an array along one axis; its name."""
         limits = [self.weight(np.array([value], np.int64)) for value in (first, stop, axis)]
         return self.node("Slice", given, *limits)
-
-
-def _halves(block: GatedBlock) -> tuple[tuple[int, int], tuple[int, int]]:
-    channels = block.out.in_channels
-    return (0, channels), (channels, 2 * channels)
 
 
 def make_model(config: Config, data: Data, members: Sequence[Weights]) -> onnx.ModelProto:
@@ -230,14 +223,10 @@ def write_model(
     meta = ModelMeta(
         name=config.name, kind="sequence" if config.is_sequence else "windows",
         features=data.features, output_window=config.output_window, controls=data.controls,
-        target=config.targets, files=dict(_hashes(folder)),
+        target=config.targets,
+        files={name: sha256_of(folder / name) for name in (MODEL_FILE, GOLDEN_FILE)},
         date=date.today().isoformat(),  # the user's own day
         **facts,
     )  # fmt: skip
     (folder / META_FILE).write_text(to_json(meta.to_json()), "utf-8")
     check_golden(folder)
-
-
-def _hashes(folder: Path) -> Iterator[tuple[str, str]]:
-    for name in (MODEL_FILE, GOLDEN_FILE):
-        yield name, hashlib.sha256((folder / name).read_bytes()).hexdigest()

@@ -209,6 +209,7 @@ def _run_epoch(
     random = _seed(config, *place)
     length = stretch_of(arrays, config)
     half = 0 if config.is_sequence else length // 2
+    is_halved = halves(config)
     steps = list(batches(arrays, config, random))
     network.train()
     total = weight = 0.0
@@ -221,7 +222,7 @@ def _run_epoch(
             inputs = arrays.windows(chosen)
         reference, mask = arrays.reference(chosen, half, length - 1 - half)
         optimizer.zero_grad(set_to_none=True)
-        with torch.autocast("cpu", torch.bfloat16, enabled=halves(config)):
+        with torch.autocast("cpu", torch.bfloat16, enabled=is_halved):
             estimated = network(inputs)
         loss = total_loss(config.loss, network, reference, estimated.float(), mask, data.opening)
         loss.backward()  # type: ignore[no-untyped-call]

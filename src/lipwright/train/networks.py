@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from typing import Final, cast
 
 import torch
@@ -34,30 +34,6 @@ class Windows(nn.Module):
         return cast(Tensor, self.layers(features)).view(-1, *self.shape)
 
 
-class Sequence(nn.Module):
-    """Valid convolutions over frames: (N, W, F) to (N, W - Kx + 1, C)."""
-
-    is_sequence: Final = True
-
-    def __init__(self, config: Config, inputs: int, controls: int) -> None:
-        """`inputs` is F, `controls` C."""
-        super().__init__()
-        network = config.network
-        sizes = (inputs, *network.layers)
-        dilations = network.dilations or (1,) * len(network.kernels)
-        parts: list[nn.Module] = []
-        for index, (kernel, dilation) in enumerate(zip(network.kernels, dilations, strict=True)):
-            size, channels = sizes[index : index + 2]
-            parts += [nn.Conv1d(size, channels, kernel, dilation=dilation), _activation(config)]
-            parts += _dropout(network.drops[index])
-        parts.append(nn.Conv1d(sizes[-1], controls, 1))
-        self.layers = nn.Sequential(*parts)
-
-    def forward(self, features: Tensor) -> Tensor:
-        """(N, W, F) to (N, W - Kx + 1, C)."""
-        return cast(Tensor, self.layers(features.transpose(1, 2))).transpose(1, 2)
-
-
 class GatedBlock(nn.Module):
     """A convolution that adds to what it was given as much as its gate lets through.
 
@@ -79,39 +55,42 @@ class GatedBlock(nn.Module):
         return cast(Tensor, frames[:, :, self.cut : frames.shape[2] - self.cut] + added)
 
 
-class GatedSequence(nn.Module):
-    """Gated convolutions over frames: (N, W, F) to (N, W - Kx + 1, C)."""
+class Sequence(nn.Module):
+    """Valid convolutions over frames: (N, W, F) to (N, W - Kx + 1, C)."""
 
     is_sequence: Final = True
 
     def __init__(self, config: Config, inputs: int, controls: int) -> None:
         """`inputs` is F, `controls` C."""
         super().__init__()
-        network = config.network
-        channels, last = network.layers[0], network.drops[-1]
-        dilations = network.dilations or (1,) * len(network.kernels)
-        parts: list[nn.Module] = [nn.Conv1d(inputs, channels, 1)]
-        parts += [
-            GatedBlock(channels, kernel, dilation, drop)
-            for kernel, dilation, drop in zip(
-                network.kernels, dilations, network.drops, strict=True
-            )
-        ]
-        parts += [_activation(config), *_dropout(last), nn.Conv1d(channels, channels, 1)]
-        parts += [_activation(config), *_dropout(last), nn.Conv1d(channels, controls, 1)]
-        self.layers = nn.Sequential(*parts)
+        layers = _gated if config.network.kind == "gated" else _plain
+        self.layers = nn.Sequential(*layers(config, inputs, controls))
 
     def forward(self, features: Tensor) -> Tensor:
         """(N, W, F) to (N, W - Kx + 1, C)."""
         return cast(Tensor, self.layers(features.transpose(1, 2))).transpose(1, 2)
 
 
-Net = Windows | Sequence | GatedSequence
+def _plain(config: Config, inputs: int, controls: int) -> Iterator[nn.Module]:
+    network = config.network
+    sizes = (inputs, *network.layers)
+    for index, (kernel, dilation) in enumerate(network.taps):
+        yield nn.Conv1d(sizes[index], sizes[index + 1], kernel, dilation=dilation)
+        yield from (_activation(config), *_dropout(network.drops[index]))
+    yield nn.Conv1d(sizes[-1], controls, 1)
 
 
-_NETS: Final[Mapping[str, type[Windows] | type[Sequence] | type[GatedSequence]]] = {
-    "dense": Windows, "conv": Sequence, "gated": GatedSequence,
-}  # fmt: skip
+def _gated(config: Config, inputs: int, controls: int) -> Iterator[nn.Module]:
+    network = config.network
+    channels, last = network.layers[0], network.drops[-1]
+    yield nn.Conv1d(inputs, channels, 1)
+    for (kernel, dilation), drop in zip(network.taps, network.drops, strict=True):
+        yield GatedBlock(channels, kernel, dilation, drop)
+    yield from (_activation(config), *_dropout(last), nn.Conv1d(channels, channels, 1))
+    yield from (_activation(config), *_dropout(last), nn.Conv1d(channels, controls, 1))
+
+
+Net = Windows | Sequence
 
 
 def make_network(config: Config, inputs: int, controls: int) -> Net:
@@ -122,7 +101,7 @@ def make_network(config: Config, inputs: int, controls: int) -> Net:
         inputs: columns of a window (D), or of a frame (F) for convolutions.
         controls: C.
     """
-    made: Net = _NETS[config.network.kind](config, inputs, controls)
+    made = (Sequence if config.is_sequence else Windows)(config, inputs, controls)
     if config.network.init == "torch":
         return made
     weighted = [part for part in made.layers if isinstance(part, nn.Linear | nn.Conv1d)]

@@ -41,6 +41,8 @@ class Take:
     valid: npt.NDArray[np.bool_]
     """(T,), where a face was seen"""
     track: PhoneTrack
+    audio: Path | None = None
+    """the recorded sound"""
     sound: Floats | None = None
     """(T, S), features of the sound"""
     voices: tuple[Floats, ...] = ()
@@ -129,7 +131,7 @@ def read_corpus(
             )
     columns = _columns(dataset, config, reader.names, splits[TRAIN])
     if "sound" in config.features:
-        splits = _with_sound(dataset, config, splits, report)
+        splits = _with_sound(config, splits, report)
     return Corpus(
         {
             split: tuple(replace(take, targets=take.targets[:, columns]) for take in takes)
@@ -144,20 +146,19 @@ def read_corpus(
 
 
 def _with_sound(
-    dataset: Dataset, config: Config, splits: dict[str, list[Take]], report: Report | None
+    config: Config, splits: dict[str, list[Take]], report: Report | None
 ) -> dict[str, list[Take]]:
     """The same takes with what is heard in them; those without sound stay as they are."""
     chosen = [(split, take) for split, takes in splits.items() for take in takes]
-    audio = {take.name: dataset.recording(take.name).audio for _, take in chosen}
     tasks = [
-        Listening(path, take.times, config.augment.voices if split == TRAIN else ())
+        Listening(take.audio, take.times, config.augment.voices if split == TRAIN else ())
         for split, take in chosen
-        if (path := audio[take.name]) is not None
+        if take.audio is not None
     ]
     heard = listen_to_all(tasks)
     found: dict[str, list[Take]] = {split: [] for split in splits}
     for number, (split, take) in enumerate(chosen, 1):
-        if audio[take.name] is None:
+        if take.audio is None:
             found[split].append(take)
             continue
         sound, *voices = next(heard)
@@ -208,7 +209,7 @@ class _Reader:
             )
         still = np.where(valid[:, None], targets, 0).astype(np.float32)
         return Take(
-            recording.name, recording.times, still, valid, recording.track,
+            recording.name, recording.times, still, valid, recording.track, recording.audio,
             aperture=recording.motion.aperture,
         )  # fmt: skip
 
