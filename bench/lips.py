@@ -111,8 +111,11 @@ def main() -> None:
         "--split", default="test", choices=["all", "test", "validation", "train", "unseen"]
     )
     parser.add_argument("--first", type=int, help="only the first N sentences of the split")
-    parser.add_argument("--engines", nargs="+", default=["dominance", "openfacefx"])
+    parser.add_argument("--engines", nargs="+", default=["window", "dominance", "openfacefx"])
     parser.add_argument("--model", help="also the engine window with this model")
+    parser.add_argument(
+        "--without-sound", action="store_true", help="animate from the phones alone"
+    )
     parser.add_argument("--corpora", type=Path, default=CORPORA)
     parser.add_argument("--fresh", action="store_true", help="align anew; count failures")
     parser.add_argument("--json", type=Path, help="also write the figures to this file")
@@ -135,9 +138,8 @@ def main() -> None:
         for sentence in chosen:
             if sentence.name in tracks:
                 track = tracks[sentence.name]
-                for head, value in score(
-                    sentence, track, animate(track, sentence.audio), heads
-                ).items():
+                clip = animate(track, None if options.without_sound else sentence.audio)
+                for head, value in score(sentence, track, clip, heads).items():
                     scores[head].append(value)
         figures[engine] = {head: pool(values) for head, values in scores.items()}
     print(f"{len(chosen)} sentences ({options.split}), {len(failures)} failed to align")
