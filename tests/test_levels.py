@@ -28,7 +28,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("formats", "language", "face"),
             ("speech", "dataset"),
             ("features",),
-            ("network",),
+            ("network", "bigrams"),
             ("engines",),
             ("passes",),
             ("rig", "retarget"),

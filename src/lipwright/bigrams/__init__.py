@@ -1,0 +1,1 @@
+"""Phone bigrams (Xu et al. 2013): curves that an animator draws for pairs of adjacent phones."""
