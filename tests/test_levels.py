@@ -24,7 +24,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("errors", "version"),
             ("files", "npz", "phones", "controls"),
             ("wheels", "decode"),
-            ("audio", "track", "clip"),
+            ("audio", "track", "clip", "curves"),
             ("formats", "language", "face"),
             ("speech", "dataset"),
             ("features",),

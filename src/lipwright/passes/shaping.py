@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import Final
 
 import numpy as np
@@ -10,8 +11,9 @@ import numpy.typing as npt
 
 from lipwright.clip import Clip
 from lipwright.controls import GROUPS
+from lipwright.curves import limited
 from lipwright.errors import LipwrightError
-from lipwright.passes.kinds import Floats, Pass
+from lipwright.passes.kinds import Pass
 from lipwright.track import PhoneTrack
 
 MAX_INTENSITY = 3.0
@@ -91,11 +93,11 @@ CLOSERS: Final = frozenset(
 )
 
 
-def speed_limit(per_second: float = SPEED_LIMIT) -> Pass:
+def speed_limit(per_second: float = SPEED_LIMIT, closers: Collection[str] = CLOSERS) -> Pass:
     """Let no control change faster than `per_second` full ranges a second.
 
-    Peaks of controls that open the face are lowered, peaks of those that close it are widened;
-    neither is delayed.
+    Peaks of controls that open the face are lowered, peaks of `closers` are widened; neither is
+    delayed.
 
     Raises:
         LipwrightError: the limit is not above 0.
@@ -105,23 +107,12 @@ def speed_limit(per_second: float = SPEED_LIMIT) -> Pass:
 
     def slow(clip: Clip, track: PhoneTrack) -> Clip:
         del track
-        step = per_second / clip.fps
-        values = clip.values.astype(np.float64)
-        fast = np.flatnonzero(np.abs(np.diff(values, axis=0)).max(axis=0, initial=0) > step)
-        for column in fast:
-            sign = -1.0 if clip.names[column] in CLOSERS else 1.0
-            values[:, column] = sign * _lipschitz_below(sign * values[:, column], step)
-        return clip.with_values(values)
+        shut = [column for column, name in enumerate(clip.names) if name in closers]
+        return clip.with_values(
+            limited(clip.values.astype(np.float64), per_second / clip.fps, shut)
+        )
 
     return slow
-
-
-def _lipschitz_below(curve: Floats, step: float) -> Floats:
-    """The highest curve under `curve` that changes by at most `step` a frame."""
-    ramp = step * np.arange(len(curve))
-    forward = np.minimum.accumulate(curve - ramp) + ramp
-    reverse = np.minimum.accumulate((curve - ramp[::-1])[::-1])[::-1] + ramp[::-1]
-    return np.minimum(forward, reverse)
 
 
 def limit(low: float = 0.0, high: float = 1.0) -> Pass:
