@@ -1,6 +1,8 @@
-"""GLB: the head with its blendshapes as morph targets, animated; the sound is `NAME.wav`.
+"""GLB: the head, or another character, with its blendshapes as morph targets, animated.
 
-Morph targets are sparse accessors: most blendshapes move a small part of the head. The names
+The sound is `NAME.wav`.
+
+Morph targets are sparse accessors: most blendshapes move a small part of the mesh. The names
 stand in the mesh's `extras.targetNames`, where Blender, three.js and Unreal look for them.
 """
 
@@ -14,13 +16,18 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import Clip
-from lipwright.errors import LipwrightError
-from lipwright.export.performance import ExportOptions, Output, Performance, prepare_head
+from lipwright.export.performance import (
+    ExportOptions,
+    Output,
+    Performance,
+    prepare_head,
+    shown_character,
+)
 from lipwright.export.sidecar import sound_outputs
 from lipwright.face.png import encode_png
 
 if TYPE_CHECKING:
-    from lipwright.face.head import Head, Part
+    from lipwright.face.mesh import Mesh, Part
 
 # glTF 2.0, section 5: component types and buffer view targets.
 FLOAT: Final = 5126
@@ -41,40 +48,24 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """The GLB, and the sound beside it.
 
     Raises:
-        LipwrightError: no head is installed, or the clip moves none of its blendshapes.
+        LipwrightError: no head is installed, or the clip moves none of the character.
     """
-    from lipwright.face.head import load_head
-
-    head = load_head()
-    check_controls(path, performance.clip, head)
+    mesh = shown_character(path, performance.clip, options)
     sound = sound_outputs(path, performance)
     wav = path.with_suffix(".wav").name if performance.audio is not None else None
 
     def write(part: Path) -> None:
-        part.write_bytes(head_to_glb(head, performance.clip, name=path.stem, sound=wav))
+        part.write_bytes(mesh_to_glb(mesh, performance.clip, name=path.stem, sound=wav))
 
     return [Output(path, write), *sound]
 
 
-def check_controls(path: Path, clip: Clip, head: Head) -> None:
-    """Refuse a clip that cannot move the head.
-
-    Raises:
-        LipwrightError: the clip has none of the head's controls.
-    """
-    if not set(clip.names) & set(head.shape_names):
-        raise LipwrightError(
-            f"{path}: the curves have none of the head's controls (ARKit's, such as jawOpen); "
-            "retarget them to the ARKit rig or export another format"
-        )
-
-
-def head_to_glb(head: Head, clip: Clip, *, name: str = "speech", sound: str | None = None) -> bytes:
+def mesh_to_glb(mesh: Mesh, clip: Clip, *, name: str = "speech", sound: str | None = None) -> bytes:
     """The bytes of a GLB file.
 
     Args:
-        head: the head.
-        clip: curves; one key a frame. Controls that the head lacks are left out.
+        mesh: the head, or another character.
+        clip: curves; one key a frame. Controls that the mesh lacks are left out.
         name: of the animation.
         sound: the file of the sound, named in the asset's `extras`.
     """
@@ -82,26 +73,26 @@ def head_to_glb(head: Head, clip: Clip, *, name: str = "speech", sound: str | No
 
     # The nodes, once written, never change: one document out of finished parts.
     store = _Store()
-    image = store.view(encode_png(head.texture))
-    turned = _turned_normals(head)
+    image = store.view(encode_png(mesh.texture))
+    turned = _turned_normals(mesh)
     primitives = [
-        _primitive(store, head, part, index, turned) for index, part in enumerate(head.parts)
+        _primitive(store, mesh, part, index, turned) for index, part in enumerate(mesh.parts)
     ]
-    animation = _animation(store, clip.select(head.shape_names), name)
+    animation = _animation(store, clip.select(mesh.shape_names), name)
     document = gltf.GLTF2(
-        asset=_asset(clip, sound),
+        asset=_asset(mesh, clip, sound),
         scene=0,
         scenes=[gltf.Scene(nodes=[0], name="scene")],
-        nodes=[gltf.Node(mesh=0, name="head")],
+        nodes=[gltf.Node(mesh=0, name=mesh.name)],
         meshes=[
             gltf.Mesh(
-                name="head",
+                name=mesh.name,
                 primitives=primitives,
-                weights=[0.0] * len(head.shape_names),
-                extras={"targetNames": list(head.shape_names)},
+                weights=[0.0] * len(mesh.shape_names),
+                extras={"targetNames": list(mesh.shape_names)},
             )
         ],
-        materials=[_material(part) for part in head.parts],
+        materials=[_material(part) for part in mesh.parts],
         textures=[gltf.Texture(sampler=0, source=0)],
         samplers=[gltf.Sampler(magFilter=9729, minFilter=9987, wrapS=33071, wrapT=33071)],
         images=[gltf.Image(bufferView=image, mimeType="image/png", name="skin")],
@@ -112,6 +103,10 @@ def head_to_glb(head: Head, clip: Clip, *, name: str = "speech", sound: str | No
     )
     document.set_binary_blob(bytes(store.data))
     return b"".join(document.save_to_bytes())
+
+
+head_to_glb = mesh_to_glb
+"""the same, by the name that it had when the head was all there was"""
 
 
 class _Store:
@@ -194,7 +189,7 @@ def _bounds(values: npt.NDArray[Any]) -> dict[str, list[float]]:
     return {"min": columns.min(axis=0).tolist(), "max": columns.max(axis=0).tolist()}
 
 
-def _asset(clip: Clip, sound: str | None) -> Any:
+def _asset(mesh: Mesh, clip: Clip, sound: str | None) -> Any:
     from importlib.metadata import version
 
     import pygltflib as gltf
@@ -202,12 +197,16 @@ def _asset(clip: Clip, sound: str | None) -> Any:
     own = version("lipwright")
     extras = {
         "lipwright": own,
-        "head": "MakeHuman base mesh and its ARKit face shapes, CC0 1.0",
+        mesh.name: f"{mesh.source}, {mesh.license}",
         "fps": clip.fps,
     }
     if sound is not None:
         extras["sound"] = sound
-    return gltf.Asset(generator=f"Lipwright {own}", copyright="Head: CC0 1.0", extras=extras)
+    return gltf.Asset(
+        generator=f"Lipwright {own}",
+        copyright=f"{mesh.name.capitalize()}: {mesh.license}",
+        extras=extras,
+    )
 
 
 def _material(part: Part) -> Any:
@@ -227,23 +226,23 @@ def _material(part: Part) -> Any:
     )
 
 
-def _turned_normals(head: Head) -> Sequence[npt.NDArray[np.float32]]:
+def _turned_normals(mesh: Mesh) -> Sequence[npt.NDArray[np.float32]]:
     """For each blendshape, how it changes the normals: (V, 3)."""
-    weights = np.eye(len(head.shape_names), dtype=np.float32)
-    return [head.normals(head.pose(row)) - head.rest_normals for row in weights]
+    weights = np.eye(len(mesh.shape_names), dtype=np.float32)
+    return [mesh.normals(mesh.pose(row)) - mesh.rest_normals for row in weights]
 
 
 def _primitive(
-    store: _Store, head: Head, part: Part, index: int, turned: Sequence[npt.NDArray[np.float32]]
+    store: _Store, mesh: Mesh, part: Part, index: int, turned: Sequence[npt.NDArray[np.float32]]
 ) -> Any:
-    """One part of the head with all blendshapes; glTF asks for the same number in each part."""
+    """One part of the mesh with all blendshapes; glTF asks for the same number in each part."""
     import pygltflib as gltf
 
     run = part.vertices
     count = run.stop - run.start
     targets = []
-    for name, turn in zip(head.shape_names, turned, strict=True):
-        vertices, deltas = head.shape(name)
+    for name, turn in zip(mesh.shape_names, turned, strict=True):
+        vertices, deltas = mesh.shape(name)
         inside = (vertices >= run.start) & (vertices < run.stop)
         own = turn[run]
         turning = np.flatnonzero(np.abs(own).max(axis=1) > TURNS)
@@ -253,13 +252,13 @@ def _primitive(
                 NORMAL=store.sparse(turning, own[turning], count),
             )
         )
-    triangles = (head.triangles[part.triangles] - run.start).astype(np.uint32)
+    triangles = (mesh.triangles[part.triangles] - run.start).astype(np.uint32)
     return gltf.Primitive(
         attributes=gltf.Attributes(
-            POSITION=store.accessor(head.vertices[run], "VEC3", VERTICES, bounds=True),
-            NORMAL=store.accessor(head.rest_normals[run], "VEC3", VERTICES),
-            TEXCOORD_0=store.accessor(head.uvs[run], "VEC2", VERTICES),
-            COLOR_0=store.accessor(head.tints[run], "VEC3", VERTICES),
+            POSITION=store.accessor(mesh.vertices[run], "VEC3", VERTICES, bounds=True),
+            NORMAL=store.accessor(mesh.rest_normals[run], "VEC3", VERTICES),
+            TEXCOORD_0=store.accessor(mesh.uvs[run], "VEC2", VERTICES),
+            COLOR_0=store.accessor(mesh.tints[run], "VEC3", VERTICES),
         ),
         indices=store.accessor(triangles.ravel(), "SCALAR", INDICES),
         material=index,

@@ -1,4 +1,4 @@
-"""MP4: the rendered head with the sound, H.264 and AAC.
+"""MP4: the rendered head, or another character, with the sound, H.264 and AAC.
 
 Frame i shows the clip at i / fps seconds and the sound starts at 0. The video lasts as long as
 the sound (without sound, as long as the clip). Its rate is the clip's, divided by the smallest
@@ -21,11 +21,18 @@ import numpy.typing as npt
 from lipwright.audio import Audio, Sound
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
-from lipwright.export.glb import check_controls
-from lipwright.export.performance import ExportOptions, Output, Performance, prepare_head
+from lipwright.export.performance import (
+    ExportOptions,
+    Output,
+    Performance,
+    prepare_head,
+    shown_character,
+)
 
 if TYPE_CHECKING:
     from av.container import OutputContainer
+
+    from lipwright.face.mesh import Mesh
 
 Frames = Generator[npt.NDArray[np.uint8], None, None]
 
@@ -45,21 +52,21 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """The one file.
 
     Raises:
-        LipwrightError: no head is installed, or the clip moves none of its blendshapes.
+        LipwrightError: no head is installed, or the clip moves none of the character.
     """
-    from lipwright.face.head import load_head
-
-    check_controls(path, performance.clip, load_head())
-    return [Output(path, lambda part: _write(path, part, performance, options))]
+    mesh = shown_character(path, performance.clip, options)
+    return [Output(path, lambda part: _write(path, part, mesh, performance, options))]
 
 
-def _write(path: Path, part: Path, performance: Performance, options: ExportOptions) -> None:
+def _write(
+    path: Path, part: Path, mesh: Mesh, performance: Performance, options: ExportOptions
+) -> None:
     import av
 
     fps = video_fps(performance.clip.fps)
     with performance.open_sound() as sound:
         count = frame_count(performance.clip, fps, sound)
-        with closing(_render(performance.clip, fps, count, options)) as frames:
+        with closing(_render(mesh, performance.clip, fps, count, options)) as frames:
             try:
                 encode(part, frames, fps, options, sound)
             except av.error.FFmpegError as error:
@@ -79,14 +86,12 @@ def frame_count(clip: Clip, fps: float, sound: Sound | None) -> int:
     return max(math.ceil(sound.duration * fps - 1e-6), 1)
 
 
-def _render(clip: Clip, fps: float, count: int, options: ExportOptions) -> Frames:
-    from lipwright.face.head import load_head
+def _render(mesh: Mesh, clip: Clip, fps: float, count: int, options: ExportOptions) -> Frames:
     from lipwright.face.render import Renderer
 
-    head = load_head()
-    posed = clip.select(head.shape_names)
+    posed = clip.select(mesh.shape_names)
     width, height = options.size
-    with Renderer(head, width, height) as renderer:
+    with Renderer(mesh, width, height, view=options.view) as renderer:
         for frame in range(count):
             yield renderer.render(posed.at([frame / fps])[0])
             if options.progress is not None:

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,10 @@ from lipwright.audio import Sound, open_audio
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.track import PhoneTrack
+
+if TYPE_CHECKING:
+    from lipwright.face.mesh import Mesh
+    from lipwright.face.shading import Camera, View
 
 PathLike = str | os.PathLike[str]
 
@@ -67,6 +72,11 @@ class ExportOptions:
     """width and height of a video in pixels; even, since H.264 halves the colours"""
     title: str = ""
     """of a video"""
+    character: Mesh | None = None
+    """whom GLB and MP4 show, moved by the curves that its blendshapes are named like; our head by
+    default"""
+    view: View | Camera = "face"
+    """from where a video shows it"""
     progress: Callable[[int, int], None] | None = field(default=None, compare=False)
     """called with the video frames that are done and their number in all"""
 
@@ -104,6 +114,29 @@ def text_output(path: Path, make_lines: Callable[[], Iterable[str]]) -> Output:
             file.writelines(make_lines())
 
     return Output(path, write)
+
+
+def shown_character(path: Path, clip: Clip, options: ExportOptions) -> Mesh:
+    """The character that a GLB or MP4 at `path` shows.
+
+    Raises:
+        LipwrightError: no head is installed, or the clip moves none of the character.
+    """
+    if options.character is None:
+        from lipwright.face.head import load_head
+
+        mesh: Mesh = load_head()
+        whose, remedy = "the head's controls (ARKit's, such as jawOpen)", "the ARKit rig"
+    else:
+        mesh = options.character
+        whose = f"the blendshapes of the {mesh.name} ({', '.join(mesh.shape_names[:4])}, ...)"
+        remedy = "them"
+    if not set(clip.names) & set(mesh.shape_names):
+        raise LipwrightError(
+            f"{path}: the curves have none of {whose}; "
+            f"retarget them to {remedy} or export another format"
+        )
+    return mesh
 
 
 def prepare_head(package: str) -> None:

@@ -1,4 +1,4 @@
-"""Materials of the head, and sRGB to linear light and back."""
+"""Materials of characters, and sRGB to linear light and back."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ MATERIALS: Final = MappingProxyType(
         "eye": Material(WHITE, roughness=0.08),
         "teeth": Material(WHITE, roughness=0.25, double_sided=True),
         "tongue": Material(WHITE, roughness=0.4),
+        "shell": Material(WHITE, roughness=0.38),
         "lash": Material(WHITE, roughness=0.9, double_sided=True),
     }
 )

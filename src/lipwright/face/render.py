@@ -1,4 +1,4 @@
-"""Pictures of the head."""
+"""Pictures of a head, or of any other mesh with blendshapes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.face.head import Head
+from lipwright.face.mesh import Mesh
 from lipwright.face.png import write_png
-from lipwright.face.shading import View
+from lipwright.face.shading import Camera, View
 
 Backend = Literal["auto", "gl", "software"]
 
 
 class Painter(Protocol):
-    """A way of drawing posed heads."""
+    """A way of drawing a posed mesh."""
 
     def paint(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
         """The picture (H, W, 3) of the posed `vertices` (V, 3)."""
@@ -30,7 +31,7 @@ class Painter(Protocol):
 
 
 class Renderer:
-    """Draws poses of one head at one size; a context manager.
+    """Draws poses of one mesh at one size; a context manager.
 
     Attributes:
         backend: "gl" or "software", whichever draws.
@@ -38,30 +39,30 @@ class Renderer:
 
     def __init__(
         self,
-        head: Head,
+        mesh: Mesh,
         width: int = 512,
         height: int = 512,
         backend: Backend = "auto",
-        view: View = "face",
+        view: View | Camera = "face",
     ) -> None:
-        """Prepare to draw `head`.
+        """Prepare to draw `mesh`.
 
         Args:
-            head: the head.
+            mesh: the head, or another character.
             width: of the pictures in pixels.
             height: of the pictures in pixels.
             backend: "gl", "software", or "auto" for software where OpenGL does not work.
-            view: the whole face, or the mouth from near by.
+            view: the whole face, the mouth from near by, or a camera of your own.
 
         Raises:
             LipwrightError: "gl" was asked for and does not work.
         """
-        self._head = head
-        self._painter, self.backend = _painter(head, width, height, backend, view)
+        self._mesh = mesh
+        self._painter, self.backend = _painter(mesh, width, height, backend, view)
 
     def render(self, weights: ArrayLike) -> NDArray[np.uint8]:
-        """The picture (H, W, 3), sRGB, under `weights` (C,) in the order of `CANONICAL`."""
-        return self._painter.paint(self._head.pose(weights))
+        """The picture (H, W, 3), sRGB, under `weights` (C,) in the order of its `shape_names`."""
+        return self._painter.paint(self._mesh.pose(weights))
 
     def close(self) -> None:
         """Give back the graphics context; no picture can be drawn afterwards."""
@@ -80,13 +81,13 @@ class Renderer:
 
 
 def _painter(
-    head: Head, width: int, height: int, backend: Backend, view: View
+    mesh: Mesh, width: int, height: int, backend: Backend, view: View | Camera
 ) -> tuple[Painter, str]:
     if backend != "software":
         try:
             from lipwright.face.render_gl import GlPainter
 
-            return GlPainter(head, width, height, view), "gl"
+            return GlPainter(mesh, width, height, view), "gl"
         except Exception as error:  # drivers fail in many ways, with many kinds of exception
             if backend == "gl":
                 raise LipwrightError(
@@ -94,7 +95,7 @@ def _painter(
                 ) from error
     from lipwright.face.render_software import SoftwarePainter
 
-    return SoftwarePainter(head, width, height, view), "software"
+    return SoftwarePainter(mesh, width, height, view), "software"
 
 
 def pose_weights(**controls: float) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Pictures of the head by OpenGL, without a window."""
+"""Pictures of a mesh by OpenGL, without a window."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lipwright.face.head import Head
+from lipwright.face.mesh import Mesh
 from lipwright.face.shading import (
-    CAMERAS,
     LIGHTS,
     SURFACES,
+    Camera,
     Surface,
     VertexLight,
     View,
     background,
+    camera_of,
     encode,
     unit,
 )
@@ -96,18 +97,18 @@ void main() { pixel = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0); }
 
 
 class GlPainter:
-    """Draws posed heads with OpenGL 3.3 on EGL.
+    """Draws a posed mesh with OpenGL 3.3 on EGL.
 
     Raises:
         ImportError: moderngl is not installed.
         Exception: there is no working EGL or OpenGL; the kind depends on the driver.
     """
 
-    def __init__(self, head: Head, width: int, height: int, view: View) -> None:
+    def __init__(self, mesh: Mesh, width: int, height: int, view: View | Camera) -> None:
         """Create the context and upload what does not change."""
         import moderngl
 
-        self._head = head
+        self._mesh = mesh
         self._size = (width, height)
         # moderngl's stubs do not know its own option.
         options: dict[str, Any] = {"standalone": True, "backend": "egl", "require": 330}
@@ -119,30 +120,30 @@ class GlPainter:
             context.depth_renderbuffer(self._size, samples=samples),
         )
         self._resolved = context.framebuffer([context.renderbuffer(self._size, 4)])
-        self._texture = self._upload_texture(head.texture)
-        self._moving = context.buffer(reserve=head.vertices.size * 16, dynamic=True)
-        self._uvs = context.buffer(head.uvs.tobytes())
-        self._indices = context.buffer(head.triangles.tobytes())
-        self._light = VertexLight(head, view)
-        self._meshes = {
-            material: self._make_mesh(SURFACES[material], view)
-            for material in {part.material_name for part in head.parts}
+        self._texture = self._upload_texture(mesh.texture)
+        self._moving = context.buffer(reserve=mesh.vertices.size * 16, dynamic=True)
+        self._uvs = context.buffer(mesh.uvs.tobytes())
+        self._indices = context.buffer(mesh.triangles.tobytes())
+        self._light = VertexLight(mesh, view)
+        self._drawn = {
+            material: self._make_array(SURFACES[material], view)
+            for material in {part.material_name for part in mesh.parts}
         }
         self._backdrop = self._make_backdrop()
 
-    def _make_mesh(self, surface: Surface, view: View) -> moderngl.VertexArray:
-        """The head's buffers under the program for `surface`."""
+    def _make_array(self, surface: Surface, view: View | Camera) -> moderngl.VertexArray:
+        """The mesh's buffers under the program for `surface`."""
         sharp = surface.highlight is not None
         program = self._context.program(
             vertex_shader=_VERTEX, fragment_shader=_EYE_FRAGMENT if sharp else _FRAGMENT
         )
-        matrix = CAMERAS[view].matrix(self._size[0] / self._size[1])
+        matrix = camera_of(view).matrix(self._size[0] / self._size[1])
         _set(program, camera=tuple(matrix.T.ravel().tolist()))
         moving = [self._moving, "3f 3f 3f 3f", "position", "normal", "light", "shine"]
         if surface.highlight is not None:
             _set(
                 program,
-                eye=CAMERAS[view].eye,
+                eye=camera_of(view).eye,
                 color=LIGHTS[0].color,
                 gloss=surface.gloss,
                 power=surface.power,
@@ -181,20 +182,20 @@ class GlPainter:
             return self._paint(vertices)
 
     def _paint(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
-        normals = self._head.normals(vertices)
+        normals = self._mesh.normals(vertices)
         light = self._light.fall(vertices, normals)
         self._moving.write(np.concatenate([vertices, normals, light], axis=1).tobytes())
         self._target.use()
         self._context.enable(self._context.DEPTH_TEST)
         self._target.clear(depth=1.0)
         self._texture.use()
-        for part in self._head.parts:
+        for part in self._mesh.parts:
             if part.material.double_sided:
                 self._context.disable(self._context.CULL_FACE)
             else:
                 self._context.enable(self._context.CULL_FACE)
             first, last = part.triangles.start, part.triangles.stop
-            self._meshes[part.material_name].render(vertices=3 * (last - first), first=3 * first)
+            self._drawn[part.material_name].render(vertices=3 * (last - first), first=3 * first)
         self._context.disable(self._context.CULL_FACE)
         self._backdrop.render()
         self._context.copy_framebuffer(self._resolved, self._target)

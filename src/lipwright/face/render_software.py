@@ -1,4 +1,4 @@
-"""Pictures of the head on numpy alone, for machines without OpenGL.
+"""Pictures of a mesh on numpy alone, for machines without OpenGL.
 
 Light is computed at the vertices and interpolated, except the sharp highlights of the eyes.
 The picture is sampled four times a pixel; the shading is done once a pixel where all four
@@ -13,11 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lipwright.face.head import Head
 from lipwright.face.materials import srgb_to_linear
+from lipwright.face.mesh import Mesh
 from lipwright.face.raster import barycentric, rasterise
 from lipwright.face.shading import (
-    CAMERAS,
     LIGHTS,
     SURFACES,
     Camera,
@@ -25,6 +24,7 @@ from lipwright.face.shading import (
     VertexLight,
     View,
     background,
+    camera_of,
     encode,
     unit,
 )
@@ -37,23 +37,23 @@ _GRID_STEPS: Final = [(i, j) for i in range(GRID) for j in range(GRID)]
 
 
 class SoftwarePainter:
-    """Draws posed heads without any graphics driver."""
+    """Draws a posed mesh without any graphics driver."""
 
-    def __init__(self, head: Head, width: int, height: int, view: View) -> None:
+    def __init__(self, mesh: Mesh, width: int, height: int, view: View | Camera) -> None:
         """Prepare what does not change."""
-        self._head = head
+        self._mesh = mesh
         self._size = (width, height)
-        camera = CAMERAS[view]
+        camera = camera_of(view)
         self._matrix = camera.matrix(width / height).astype(np.float32)
         self._eye = np.array(camera.eye, np.float32)
         self._texture = _shrunk(
-            srgb_to_linear(head.texture), _texels_per_pixel(head, camera, height)
+            srgb_to_linear(mesh.texture), _texels_per_pixel(mesh, camera, height)
         )
         self._empty = encode(background(width, height)).reshape(-1, 3)
-        self._light = VertexLight(head, view)
-        self._part_of = np.zeros(len(head.triangles), np.int8)
-        self._two_sided = np.zeros(len(head.triangles), bool)
-        for number, part in enumerate(head.parts):
+        self._light = VertexLight(mesh, view)
+        self._part_of = np.zeros(len(mesh.triangles), np.int8)
+        self._two_sided = np.zeros(len(mesh.triangles), bool)
+        for number, part in enumerate(mesh.parts):
             self._part_of[part.triangles] = number
             self._two_sided[part.triangles] = part.material.double_sided
 
@@ -62,7 +62,7 @@ class SoftwarePainter:
         width, height = self._size
         points = self._project(vertices)
         drawn = self._facing(points)
-        triangles = self._head.triangles[drawn]
+        triangles = self._mesh.triangles[drawn]
         covered, chosen = rasterise(points, triangles, width * GRID, height * GRID)
         whole, mixed, samples = self._gather(covered, self._part_of[drawn[chosen]])
         filled = samples >= 0
@@ -119,7 +119,7 @@ class SoftwarePainter:
 
     def _facing(self, points: Floats) -> NDArray[np.int64]:
         """The triangles that can be seen: those that face us, and all of two-sided parts."""
-        a, b, c = (points[self._head.triangles[:, k], :2] for k in range(3))
+        a, b, c = (points[self._mesh.triangles[:, k], :2] for k in range(3))
         area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
         return np.flatnonzero(self._two_sided | (area < 0))
 
@@ -127,19 +127,19 @@ class SoftwarePainter:
         self, vertices: Floats, corners: Integers, shares: Floats, part: NDArray[np.int8]
     ) -> Floats:
         """SRGB 0 to 1 (n, 3) at `shares` (n, 3) of the triangles `corners` (n, 3)."""
-        normals = self._head.normals(vertices)
-        values = np.concatenate([self._light.fall(vertices, normals), self._head.uvs], axis=1)
+        normals = self._mesh.normals(vertices)
+        values = np.concatenate([self._light.fall(vertices, normals), self._mesh.uvs], axis=1)
         mixed = np.zeros((len(corners), values.shape[1]), np.float32)
         for corner in range(3):
             mixed += values[corners[:, corner]] * shares[:, corner : corner + 1]
         color = self._sample(mixed[:, 6:]) * mixed[:, :3] + mixed[:, 3:6]
-        for number, piece in enumerate(self._head.parts):
+        for number, piece in enumerate(self._mesh.parts):
             surface = SURFACES[piece.material_name]
             if surface.highlight is not None:
                 here = np.flatnonzero(part == number)
                 place, normal, tint = (
                     np.einsum("nk,nkc->nc", shares[here], array[corners[here]])
-                    for array in (vertices, normals, self._head.tints)
+                    for array in (vertices, normals, self._mesh.tints)
                 )
                 color[here] += self._highlight(surface, place, normal, tint)
         return encode(color)
@@ -164,13 +164,21 @@ class SoftwarePainter:
         return np.asarray(self._texture.reshape(-1, 3)[row * width + column])
 
 
-def _texels_per_pixel(head: Head, camera: Camera, height: int) -> float:
-    """How many rows of the texture fall on a row of the picture, in the middle of the face."""
-    upper, lower = head.lip_pairs[0, 0], int(np.argmax(head.vertices[:, 2]))
-    texels = abs(head.uvs[upper, 1] - head.uvs[lower, 1]) * head.texture.shape[0]
-    size = abs(float(head.vertices[upper, 1] - head.vertices[lower, 1]))
+def _texels_per_pixel(mesh: Mesh, camera: Camera, height: int) -> float:
+    """How many rows of the texture fall on a row of the picture, on the usual triangle."""
+    places = mesh.vertices[mesh.triangles]
+    spots = mesh.uvs[mesh.triangles] * np.array(mesh.texture.shape[1::-1])
+    one, other = spots[:, 1] - spots[:, 0], spots[:, 2] - spots[:, 0]
+    texels = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+    area = np.linalg.norm(
+        np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1
+    )
+    textured = (texels > 0) & (area > 0)
+    if not textured.any():
+        return 0.0
+    texels_per_m = float(np.median(np.sqrt(texels[textured] / area[textured])))
     seen = 2 * math.dist(camera.eye, camera.target) * math.tan(math.radians(camera.field_deg) / 2)
-    return float(texels / (size / seen * height))
+    return texels_per_m * seen / height
 
 
 def _shrunk(texture: Floats, texels_per_pixel: float) -> Floats:

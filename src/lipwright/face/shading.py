@@ -1,4 +1,4 @@
-"""Camera, light and shade, the same for every way of drawing the head."""
+"""Camera, light and shade, the same for every way of drawing a mesh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lipwright.face.head import Head
+from lipwright.face.mesh import Mesh
 
 View = Literal["face", "mouth"]
 Floats = NDArray[np.float32]
@@ -52,6 +52,11 @@ CAMERAS: Final = MappingProxyType(
         "mouth": Camera((0.0, -0.015, 0.75), (0.0, -0.030, 0.09), 7.6),
     }
 )
+
+
+def camera_of(view: View | Camera) -> Camera:
+    """The camera of a view of the head, or `view` itself."""
+    return CAMERAS[view] if isinstance(view, str) else view
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ SURFACES: Final = MappingProxyType(
         "eye": Surface((0.35, 0.3, 0.3), 0.85, 420.0, (-0.34, 0.30, 1.0)),
         "teeth": Surface((0.4, 0.4, 0.4), 0.22, 40.0),
         "tongue": Surface((0.4, 0.25, 0.2), 0.16, 26.0),
+        "shell": Surface((0.36, 0.22, 0.16), 0.24, 34.0),
         "lash": Surface((0.3, 0.3, 0.3), 0.0, 1.0),
     }
 )
@@ -121,16 +127,16 @@ def background(width: int, height: int) -> Floats:
 
 
 class VertexLight:
-    """The light that falls on a head, at its vertices, as one camera sees it."""
+    """The light that falls on a mesh, at its vertices, as one camera sees it."""
 
-    def __init__(self, head: Head, view: View) -> None:
+    def __init__(self, mesh: Mesh, view: View | Camera) -> None:
         """Gather the surfaces of the parts."""
-        self._tints = head.tints
-        self._eye = np.array(CAMERAS[view].eye, np.float32)
-        self._wrap = np.zeros((len(head.vertices), 3), np.float32)
-        self._gloss = np.zeros(len(head.vertices), np.float32)
-        self._power = np.ones(len(head.vertices), np.float32)
-        for part in head.parts:
+        self._tints = mesh.tints
+        self._eye = np.array(camera_of(view).eye, np.float32)
+        self._wrap = np.zeros((len(mesh.vertices), 3), np.float32)
+        self._gloss = np.zeros(len(mesh.vertices), np.float32)
+        self._power = np.ones(len(mesh.vertices), np.float32)
+        for part in mesh.parts:
             surface = SURFACES[part.material_name]
             self._wrap[part.vertices] = surface.wrap
             self._power[part.vertices] = surface.power
