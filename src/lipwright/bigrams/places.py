@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from json.decoder import scanstring
 from typing import Any, Final
 
 from lipwright.errors import LipwrightError
@@ -159,7 +158,7 @@ def _items(text: str, offset: int) -> Iterator[_Item]:
     while text[offset] not in "}]":
         at, step = offset, place
         if is_object:
-            key, offset = scanstring(text, offset + 1, False)
+            key, offset = _DECODER.raw_decode(text, offset)
             offset = _skip(text, _skip(text, offset) + 1)  # over the colon
             yield _Item(key, at, offset)
         else:

@@ -168,25 +168,8 @@ class BigramSet:
 
     def __post_init__(self) -> None:
         """Check and freeze."""
-        holders: dict[str, str] = {}
-        for name, phones in self.classes.items():
-            if not name or name.split() != [name]:
-                raise ValueError(f"the class {name!r} has no name, or white space in it")
-            for phone in phones:
-                if phone not in PHONES:
-                    raise ValueError(f"class {name!r} has the phone {phone!r}, unknown to us")
-                if phone in holders:
-                    raise ValueError(f"{phone} is in the classes {holders[phone]!r} and {name!r}")
-                holders[phone] = name
-        for pair, bigram in self.bigrams.items():
-            if bigram.pair != pair:
-                raise ValueError(f"the bigram {bigram.pair} is filed under {pair}")
-            for one in pair:
-                if one not in self.classes:
-                    raise ValueError(f"the bigram {' '.join(pair)!r} has the unknown class {one!r}")
-            for pose in (*bigram.curves, *bigram.variance):
-                if pose not in self.poses:
-                    raise ValueError(f"the bigram {' '.join(pair)!r} has no such pose: {pose!r}")
+        _check_classes(self.classes)
+        self._check_bigrams()
         for key, most in self.constraints.items():
             if key != constraint_key(*key) or key[0] == key[1] or not set(key) <= set(self.poses):
                 raise ValueError(f"{key} is no constraint of two known poses")
@@ -203,6 +186,17 @@ class BigramSet:
             ("constraints", dict(self.constraints)),
         ):
             object.__setattr__(self, name, MappingProxyType(value))
+
+    def _check_bigrams(self) -> None:
+        for pair, bigram in self.bigrams.items():
+            if bigram.pair != pair:
+                raise ValueError(f"the bigram {bigram.pair} is filed under {pair}")
+            for one in pair:
+                if one not in self.classes:
+                    raise ValueError(f"the bigram {' '.join(pair)!r} has the unknown class {one!r}")
+            for pose in (*bigram.curves, *bigram.variance):
+                if pose not in self.poses:
+                    raise ValueError(f"the bigram {' '.join(pair)!r} has no such pose: {pose!r}")
 
     @cached_property
     def _holders(self) -> dict[str, str]:
@@ -227,6 +221,19 @@ class BigramSet:
             ValueError: as the constructor.
         """
         return replace(self, bigrams={**self.bigrams, bigram.pair: bigram})
+
+
+def _check_classes(classes: Mapping[str, tuple[str, ...]]) -> None:
+    holders: dict[str, str] = {}
+    for name, phones in classes.items():
+        if not name or name.split() != [name]:
+            raise ValueError(f"the class {name!r} has no name, or white space in it")
+        for phone in phones:
+            if phone not in PHONES:
+                raise ValueError(f"class {name!r} has the phone {phone!r}, unknown to us")
+            if phone in holders:
+                raise ValueError(f"{phone} is in the classes {holders[phone]!r} and {name!r}")
+            holders[phone] = name
 
 
 def _check_range(what: str, value: float, least: float) -> None:
