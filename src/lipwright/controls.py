@@ -59,3 +59,8 @@ GROUPS: Final = MappingProxyType(
     }
 )
 """part of the face to its controls; each control is in one group"""
+
+
+def both_sides(name: str) -> tuple[str, ...]:
+    """The canonical controls of a name that may lack its side, as `mouthSmile` does."""
+    return (name,) if name in CANONICAL else (f"{name}Left", f"{name}Right")

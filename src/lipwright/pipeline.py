@@ -8,21 +8,40 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from lipwright.audio import AudioFile, open_audio
 from lipwright.clip import MAX_FPS, Clip
 from lipwright.controls import CANONICAL
-from lipwright.engines import choose_engine, engine_controls, engine_learnt, get_engine
+from lipwright.engines import (
+    OF_BIGRAMS,
+    choose_engine,
+    engine_controls,
+    engine_learnt,
+    get_engine,
+)
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import Performance
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
-from lipwright.passes import Pass, apply_passes, default_passes, learnt_passes
-from lipwright.rig import canonical_rig
+from lipwright.passes import (
+    Pass,
+    apply_passes,
+    bigram_passes,
+    default_passes,
+    intensity,
+    learnt_passes,
+    limit,
+)
+from lipwright.rig import Rig, canonical_rig, load_rig
 from lipwright.speech import Alignment, align
 from lipwright.track import PhoneTrack
+
+if TYPE_CHECKING:
+    from lipwright.bigrams.values import BigramSet
 
 PathLike = str | os.PathLike[str]
 Report = Callable[[str, float], None]
@@ -32,6 +51,7 @@ ALIGNMENT_RATE = 16000  # Hz, what the aligner hears
 MIN_FPS = 0.1  # a slower clip has no motion, and a video no clock for it
 MOST_WORDS = 20.0  # a second of sound; the fastest speakers reach 11
 SPARE_WORDS = 100  # for notes and marks that are not said
+_FOR_BIGRAMS: Final = (None, OF_BIGRAMS)
 
 
 @dataclass(frozen=True)
@@ -49,14 +69,16 @@ class AnimateOptions:
     """How phones become motion.
 
     Raises:
-        LipwrightError: fps or intensity out of range, no such engine, or a model for one that
-            runs none.
+        LipwrightError: fps or intensity out of range, no such engine, or a model or bigram set
+            for one that runs none.
     """
 
     engine: str | None = None
     """a name; by default `window` where a model is given, or else the default engine"""
     model: str | Path | None = None
     """of the engine `window`: the name of one that ships, or a model's folder"""
+    bigrams: str | Path | BigramSet | None = None
+    """of the engine `bigram`: the name of a set that ships, a set's file, or a set"""
     fps: float = 60.0
     """frames a second, 0.1 to 1000"""
     intensity: float = 1.0
@@ -66,7 +88,12 @@ class AnimateOptions:
 
     def __post_init__(self) -> None:
         """Check."""
-        choose_engine(self.engine, self.model)
+        if self.bigrams is not None and (self.model is not None or self.engine not in _FOR_BIGRAMS):
+            other = "--model" if self.model is not None else f"the engine {self.engine}"
+            raise LipwrightError(
+                f"--bigrams is for the engine {OF_BIGRAMS}, not for {other}; leave one of them out"
+            )
+        choose_engine(*self.runs)
         if not MIN_FPS <= self.fps <= MAX_FPS:
             raise LipwrightError(
                 f"fps is {self.fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}"
@@ -74,26 +101,67 @@ class AnimateOptions:
         if self.passes is None:
             default_passes(self.intensity)  # refuses what it cannot use
 
-    def controls(self) -> tuple[str, ...]:
-        """The controls of the clips that this makes: canonical, or modes of a reference face.
+    @property
+    def runs(self) -> tuple[str | None, str | Path | BigramSet | None]:
+        """The engine, and the model or the bigram set that it runs; None for the default."""
+        if self.bigrams is not None:
+            return OF_BIGRAMS, self.bigrams
+        return self.engine, self.model
+
+    @cached_property
+    def bigram_set(self) -> BigramSet | None:
+        """The bigram set that is animated with; None with another engine.
 
         Raises:
-            LipwrightError: the model cannot be used.
+            LipwrightError: the set cannot be used.
         """
-        return engine_controls(self.engine, self.model)
+        name, model = self.runs
+        if choose_engine(name, model) != OF_BIGRAMS:
+            return None
+        from lipwright.engines.bigram import open_set
+
+        return open_set(model)
+
+    def controls(self) -> tuple[str, ...]:
+        """The controls of the clips that this makes.
+
+        Canonical ones, or modes of a reference face, or poses of a creature.
+
+        Raises:
+            LipwrightError: the model or set cannot be used.
+        """
+        bigrams = self.bigram_set
+        if bigrams is None:
+            return engine_controls(*self.runs)
+        rig = rig_of(bigrams)
+        return CANONICAL if rig.looks else rig.names
 
     def chosen_passes(self) -> tuple[Pass, ...]:
-        """The passes to apply, in order.
+        """The passes to apply to what the engine gives, in order.
 
         Raises:
-            LipwrightError: the model cannot be used.
+            LipwrightError: the model or set cannot be used.
         """
         if self.passes is not None:
             return self.passes
-        phones, controls = engine_learnt(self.engine, self.model)
+        bigrams = self.bigram_set
+        if bigrams is not None:
+            return tuple(bigram_passes(bigrams))
+        phones, controls = engine_learnt(*self.runs)
         if not phones:
             return tuple(default_passes(self.intensity))
         return tuple(learnt_passes(self.intensity, phones, controls))
+
+
+def rig_of(bigrams: BigramSet) -> Rig:
+    """The rig whose controls are the poses of a bigram set.
+
+    Raises:
+        LipwrightError: the rig cannot be used, or lacks a pose of the set; names it.
+    """
+    rig = load_rig(bigrams.rig)
+    rig.check_controls(bigrams.poses, f"the bigram set {bigrams.name!r}")
+    return rig
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,16 +240,26 @@ def animate_track(
     """The motion of a phone track, in the canonical controls.
 
     A model that predicts modes of a reference face gives those, as they are: passes and rigs
-    know nothing of them.
+    know nothing of them. A bigram set of a creature, whose rig has no looks on a human face, gives
+    the creature's poses.
 
     Raises:
-        LipwrightError: the model cannot be used.
+        LipwrightError: the model or bigram set cannot be used.
     """
     options = options or AnimateOptions()
-    clip = get_engine(options.engine, options.model)(track, options.fps, audio)
-    if not moves_heads(clip.names):
+    bigrams = options.bigram_set
+    rig = rig_of(bigrams) if bigrams is not None else None  # before the work is done
+    engine = get_engine(*options.runs) if bigrams is None else get_engine(OF_BIGRAMS, bigrams)
+    clip = engine(track, options.fps, audio)
+    if rig is None and not moves_heads(clip.names):
         return clip
     clip = apply_passes(clip, track, options.chosen_passes())
+    if rig is not None and not rig.looks:
+        return rig.fit(clip)
+    if rig is not None:
+        clip = rig.to_canonical(clip)
+        amount = options.intensity if options.passes is None else 1.0
+        clip = apply_passes(clip, track, [intensity(amount), limit()])
     return canonical_rig().fit(clip)
 
 

@@ -1,22 +1,25 @@
-"""`Rig`: what a character lets us move. The ARKit rig ships as `rigs/arkit.json`."""
+"""`Rig`: what a character lets us move. Those that ship are in `rigs/`, one JSON file each."""
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from lipwright.clip import Clip
-from lipwright.controls import CANONICAL
+from lipwright.controls import CANONICAL, both_sides
 from lipwright.errors import LipwrightError
 
-RIGS: Final = ("arkit",)
+RIGS: Final = ("arkit", "facefx", "smartbody")
 """names of the rigs that ship"""
 
 
@@ -52,18 +55,22 @@ class Rig:
     """The controls of a character.
 
     Raises:
-        ValueError: no controls, names that repeat, or a mirror pair of an unknown control.
+        ValueError: no controls, names that repeat, a mirror pair of an unknown control, or looks
+            of an unknown control, in other than canonical controls, or not finite.
     """
 
     name: str
     controls: tuple[Control, ...]
     """at least one, each name once"""
-    mirror: MappingProxyType[str, str]
+    mirror: Mapping[str, str]
     """control to that of the other side; controls of the middle are left out"""
     source: str = ""
     """where the names come from"""
     license: str = ""
     """terms of use, in a few words"""
+    looks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """control to what it looks like at 1 on a human face: canonical control (one without a side
+    means both) to weight; empty for a creature that no human face can show"""
 
     def __post_init__(self) -> None:
         """Check and freeze."""
@@ -75,8 +82,19 @@ class Rig:
         for left, right in self.mirror.items():
             if left not in names or self.mirror.get(right) != left:
                 raise ValueError(f"rig {self.name!r}: {left!r} and {right!r} are no mirror pair")
+        for control, look in self.looks.items():
+            if control not in names:
+                raise ValueError(f"rig {self.name!r}: {control!r} has a look and is no control")
+            for name, weight in look.items():
+                if not set(both_sides(name)) <= set(CANONICAL) or not math.isfinite(weight):
+                    raise ValueError(
+                        f"rig {self.name!r}: the look of {control!r} has {name!r} at {weight}, "
+                        "which is no finite weight of a canonical control"
+                    )
+        looks = {control: MappingProxyType(dict(look)) for control, look in self.looks.items()}
         object.__setattr__(self, "controls", tuple(self.controls))
         object.__setattr__(self, "mirror", MappingProxyType(dict(self.mirror)))
+        object.__setattr__(self, "looks", MappingProxyType(looks))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -96,23 +114,94 @@ class Rig:
                 values[:, column] = control.rest
         return Clip(self.names, clip.fps, np.clip(values, low, high))
 
+    def look_of(self, names: Iterable[str]) -> npt.NDArray[np.float32]:
+        """(n, C), what each of n controls looks like at 1, in canonical controls."""
+        table = np.zeros((len(names := tuple(names)), len(CANONICAL)), np.float32)
+        for row, control in enumerate(names):
+            for name, weight in self.looks.get(control, {}).items():
+                for side in both_sides(name):
+                    table[row, CANONICAL.index(side)] = weight
+        return table
 
-@cache
-def load_rig(name: str) -> Rig:
-    """A rig that ships.
+    def to_canonical(self, clip: Clip) -> Clip:
+        """The clip as a human face shows it; controls without looks are not seen."""
+        return Clip(CANONICAL, clip.fps, clip.values @ self.look_of(clip.names))
+
+    def check_controls(self, names: Iterable[str], who: str) -> None:
+        """Refuse names that the rig lacks.
+
+        Raises:
+            LipwrightError: there is one; names it, `who` asks for it, and what the rig has.
+        """
+        for name in names:
+            if name not in self.names:
+                raise LipwrightError(
+                    f"{who} moves the pose {name!r}, which the rig {self.name!r} lacks; it has "
+                    f"{', '.join(self.names)}"
+                )
+
+
+def load_rig(name: str | Path) -> Rig:
+    """A rig that ships, by name, or that of a JSON file.
 
     Raises:
-        LipwrightError: no such rig; lists the known ones.
+        LipwrightError: no such rig, lists the known ones; or the file cannot be used.
     """
-    if name not in RIGS:
-        raise LipwrightError(f"no rig {name!r}; the rigs are: {', '.join(RIGS)}")
+    if str(name) in RIGS:
+        return _shipped(str(name))
+    path = Path(name)
+    if path.suffix != ".json":
+        raise LipwrightError(
+            f"no rig {str(name)!r}; the rigs are: {', '.join(RIGS)}, or name a .json file"
+        )
+    return read_rig(path)
+
+
+@cache
+def _shipped(name: str) -> Rig:
     data = json.loads(files("lipwright").joinpath("rigs", f"{name}.json").read_text("utf-8"))
+    return _from_json(data)
+
+
+MAX_RIG_BYTES: Final = 4_000_000  # a rig is names and a few numbers
+
+
+def read_rig(path: Path) -> Rig:
+    """The rig of a JSON file, in the form of those that ship.
+
+    Raises:
+        LipwrightError: the file cannot be read, or is no rig; says where and why.
+    """
+    try:
+        if path.stat().st_size > MAX_RIG_BYTES:
+            raise LipwrightError(f"{path}: over {MAX_RIG_BYTES:,} bytes, which is no rig")
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise LipwrightError(f"{path}: cannot be read ({error.strerror}); name a rig") from error
+    except UnicodeDecodeError as error:
+        raise LipwrightError(f"{path}: is not UTF-8 text; name a rig's JSON file") from error
+    try:
+        return _from_json(json.loads(text))
+    except json.JSONDecodeError as error:
+        raise LipwrightError(
+            f"{path}:{error.lineno}:{error.colno}: {error.msg}; a rig is a JSON file"
+        ) from error
+    except KeyError as error:
+        raise LipwrightError(f"{path}: a rig needs {error}, and this one has none") from error
+    except (TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise LipwrightError(
+            f"{path}: is no rig ({error}); compare it with one that works"
+        ) from error
+
+
+def _from_json(data: Any) -> Rig:
     return Rig(
         name=data["name"],
         controls=tuple(Control(**control) for control in data["controls"]),
-        mirror=MappingProxyType({**dict(data["mirror"]), **{b: a for a, b in data["mirror"]}}),
+        mirror={**dict(data["mirror"]), **{b: a for a, b in data["mirror"]}},
         source=data["source"],
         license=data["license"],
+        looks=data.get("looks", {}),
     )
 
 

@@ -13,7 +13,7 @@ import click
 
 from lipwright.cli.inputs import STDIN, piped_out, read_text, recording
 from lipwright.cli.progress import Report, progress_option, progress_report, say, warn
-from lipwright.engines import DEFAULT, ENGINES, OF_MODELS
+from lipwright.engines import DEFAULT, ENGINES, OF_BIGRAMS, OF_MODELS
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ Examples:
   lipwright animate talk.mp3 --text talk.txt -o talk.csv -o talk.glb
   lipwright animate talk.mp3 --phones talk.TextGrid -o talk.livelink.csv --fps 30
   lipwright animate talk.mp3 --text talk.txt --model anna-model -o talk.mp4
+  lipwright animate talk.mp3 --text talk.txt --bigrams anna.json -o talk.mp4
   cat talk.wav | lipwright animate - --text talk.txt -o - --format json
 """
 
@@ -136,8 +137,10 @@ def _say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> Non
 @out_option
 @format_option
 @click.option("--engine", help=f"What makes motion of phones: {', '.join(ENGINES)}.  [default: "
-              f"{DEFAULT}, or {OF_MODELS} where a model is given]")  # fmt: skip
+              f"{DEFAULT}, or {OF_MODELS} where a model is given, {OF_BIGRAMS} where a bigram set "
+              "is]")  # fmt: skip
 @click.option("--model", help="Name or folder of a network to run; see lipwright models.")
+@click.option("--bigrams", help="Name or file of a phone bigram set; see lipwright bigrams.")
 @click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
 @click.option("--intensity", type=float, default=1.0, show_default=True,
               help="0.5 mumbles, 1.5 over-articulates.")  # fmt: skip
@@ -150,7 +153,7 @@ def _say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> Non
 def animate(
     speech: str, text: str | None, phones: Path | None, out: tuple[str, ...],
     format: str | None,  # noqa: A002  # as the option is called
-    engine: str | None, model: str | None, fps: float, intensity: float,
+    engine: str | None, model: str | None, bigrams: str | None, fps: float, intensity: float,
     dictionary: Path | None, language: str, size: str, progress: str,
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
@@ -168,14 +171,16 @@ def animate(
         raise LipwrightError("the sound and the words cannot both come through the pipe")
     if phones is not None and dictionary is not None:
         raise LipwrightError(f"{dictionary}: --phones needs no dictionary; leave one of them out")
-    options = AnimateOptions(engine=engine, model=model, fps=fps, intensity=intensity)
+    options = AnimateOptions(
+        engine=engine, model=model, bigrams=bigrams, fps=fps, intensity=intensity
+    )
     export_options = _export_options(size, Path(_speech_name(speech)).stem)
     exporters = [by_suffix(EXPORTERS, Path(t), _suffix(format), "export") for t in targets]
     _check_controls(options, targets, exporters)
     for exporter in exporters:
         if exporter.prepare is not None:
             exporter.prepare()
-    _check_files(targets, speech, text, phones, dictionary)
+    _check_files(targets, speech, text, phones, dictionary, bigrams)
     words, source = (None, "") if text is None else read_text(text)
     with progress_report(progress) as report, recording(speech) as path, _named(path, speech):
         result = make(
@@ -186,25 +191,45 @@ def animate(
         _export(result, targets, _suffix(format), show)
     if result.alignment is not None:
         _report_misfits(result.alignment, progress)
+    _report_missing(options, result.track, progress)
     _say_done(targets, result.track, progress)
+
+
+def _report_missing(options: AnimateOptions, track: PhoneTrack, progress: str) -> None:
+    """Name the pairs that a bigram set lacks, and what was said instead."""
+    from lipwright.bigrams.missing import missing
+
+    bigrams = options.bigram_set
+    if bigrams is None:
+        return
+    for pair, count, instead in missing(bigrams, track):
+        stand_in = "the mouth rests there" if instead is None else f"used {' '.join(instead)!r}"
+        warn(f"{bigrams.name} has no pair {' '.join(pair)!r} ({count} times); {stand_in}", progress)
 
 
 def _check_controls(
     options: AnimateOptions, targets: tuple[str, ...], exporters: list[Exporter]
 ) -> None:
-    """Refuse to put modes of a reference face on a head; our own tables hold any controls."""
+    """Refuse to put what moves no human head on one; our own tables hold any controls."""
     from lipwright.pipeline import moves_heads
 
     names = options.controls()
     if moves_heads(names):
         return
     for target, exporter in zip(targets, exporters, strict=True):
-        if exporter.read is None:
+        if exporter.read is not None:
+            continue
+        if options.bigram_set is not None:
             raise LipwrightError(
-                f"{target}: {options.model} predicts modes of a reference face ({names[0]} to "
-                f"{names[-1]}), which move no head; write .csv or .json for 'lipwright face "
-                "overlay --params', or train one with: lipwright train --targets arkit"
+                f"{target}: {options.bigram_set.name} moves poses of a creature ({names[0]} to "
+                f"{names[-1]}), which no human head shows; write .csv or .json, as "
+                "examples/07_crab.py does before it draws"
             )
+        raise LipwrightError(
+            f"{target}: {options.model} predicts modes of a reference face ({names[0]} to "
+            f"{names[-1]}), which move no head; write .csv or .json for 'lipwright face "
+            "overlay --params', or train one with: lipwright train --targets arkit"
+        )
 
 
 def _export_options(size: str, title: str) -> ExportOptions:

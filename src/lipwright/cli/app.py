@@ -4,7 +4,17 @@ from __future__ import annotations
 
 import click
 
-from lipwright.cli import animating, capturing, datasets, faces, heads, listing, modelling, training
+from lipwright.cli import (
+    animating,
+    bigrams,
+    capturing,
+    datasets,
+    faces,
+    heads,
+    listing,
+    modelling,
+    training,
+)
 from lipwright.version import VERSION
 
 
@@ -25,6 +35,7 @@ app.add_command(faces.face)
 app.add_command(training.train)
 app.add_command(training.tune)
 app.add_command(modelling.models)
+app.add_command(bigrams.bigrams)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

@@ -7,12 +7,13 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Protocol, cast
+from typing import TYPE_CHECKING, Final, Literal, Protocol, TypeAlias, cast
 
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
     from lipwright.audio import AudioFile
+    from lipwright.bigrams.values import BigramSet
     from lipwright.clip import Clip
     from lipwright.network import Network
     from lipwright.track import PhoneTrack
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 DEFAULT: Final = "window"
 DEFAULT_MODEL: Final = "lipwright"  # of the engines that run networks
 OF_MODELS: Final = "window"  # the engine that a model without an engine means
+OF_BIGRAMS: Final = "bigram"  # the engine that a bigram set means
+
+Runs = Literal["rules", "models", "bigrams"]
+Model: TypeAlias = "str | Path | BigramSet | None"
+"""the name of a model that ships, or a model's folder; or a bigram set, its name or its file"""
 
 
 class Engine(Protocol):
@@ -44,8 +50,9 @@ class EngineEntry:
     """imported when the engine is asked for; has a function `animate` with Engine's signature"""
     summary: str
     """one line for lists"""
-    runs_models: bool = False
-    """`animate` takes `model` too, a name or folder; the module has `open_network(model)`"""
+    runs: Runs = "rules"
+    """for models and bigrams `animate` takes `model` too: a model's name or folder, and the module
+    has `open_network(model)`; or the name or file of a bigram set"""
 
 
 ENGINES: Final = MappingProxyType(
@@ -57,47 +64,53 @@ ENGINES: Final = MappingProxyType(
         "window": EngineEntry(
             "lipwright.engines.window",
             "a network over a sliding window (Taylor et al. 2017), trained on real speakers",
-            runs_models=True,
+            runs="models",
+        ),
+        "bigram": EngineEntry(
+            "lipwright.engines.bigram",
+            "curves drawn for pairs of phones (Xu et al. 2013), on any set of poses",
+            runs="bigrams",
         ),
     }
 )
 """name to engine; a new engine is one module and one row"""
 
 
-def choose_engine(name: str | None = None, model: str | Path | None = None) -> str:
+def choose_engine(name: str | None = None, model: Model = None) -> str:
     """The engine that is meant: that of the name, or that of models, or the default.
 
     Raises:
-        LipwrightError: no such engine, or one that runs no models was given one.
+        LipwrightError: no such engine, or one of rules alone was given a model.
     """
     chosen = name or (DEFAULT if model is None else OF_MODELS)
     if chosen not in ENGINES:
         raise LipwrightError(f"no engine {chosen!r}; the engines are: {', '.join(ENGINES)}")
-    if model is not None and not ENGINES[chosen].runs_models:
-        runners = ", ".join(known for known, entry in ENGINES.items() if entry.runs_models)
+    if model is not None and ENGINES[chosen].runs == "rules":
+        runners = " and ".join(known for known, entry in ENGINES.items() if entry.runs != "rules")
         raise LipwrightError(
-            f"--model is for the engine {runners}, not for {chosen}; leave one of them out"
+            f"--model is for the engines {runners}, not for {chosen}; leave one of them out"
         )
     return chosen
 
 
-def get_engine(name: str | None = None, model: str | Path | None = None) -> Engine:
+def get_engine(name: str | None = None, model: Model = None) -> Engine:
     """The engine of that name, with a model where it runs one.
 
     Args:
         name: of ENGINES; by default that of models where one is given, or else the default.
-        model: the name of a model that ships, or a model's folder.
+        model: the name of a model that ships, or a model's folder; or the name or file of a
+            bigram set, for the engine of those.
 
     Raises:
-        LipwrightError: no such engine, lists the known ones; or it runs no models.
+        LipwrightError: no such engine, lists the known ones; or it has only rules.
     """
     entry = ENGINES[choose_engine(name, model)]
     animate = import_module(entry.module).animate
-    return cast("Engine", partial(animate, model=model) if entry.runs_models else animate)
+    return cast("Engine", animate if entry.runs == "rules" else partial(animate, model=model))
 
 
 def engine_learnt(
-    name: str | None = None, model: str | Path | None = None
+    name: str | None = None, model: Model = None
 ) -> tuple[frozenset[str], frozenset[str]]:
     """The phones and controls that an engine learnt from real faces; none of one with rules.
 
@@ -110,8 +123,10 @@ def engine_learnt(
     return frozenset(network.meta.features.phones), frozenset(network.meta.controls)
 
 
-def engine_controls(name: str | None = None, model: str | Path | None = None) -> tuple[str, ...]:
-    """The controls of the clips that an engine makes; a model is loaded to know.
+def engine_controls(name: str | None = None, model: Model = None) -> tuple[str, ...]:
+    """The controls that an engine moves; a model is loaded to know.
+
+    Poses of a bigram set are not asked for here: its rig puts them on a head.
 
     Raises:
         LipwrightError: as `get_engine`, or the model cannot be used.
@@ -122,7 +137,7 @@ def engine_controls(name: str | None = None, model: str | Path | None = None) ->
     return CANONICAL if network is None or network.meta.moves_heads else network.meta.controls
 
 
-def _network_of(name: str | None, model: str | Path | None) -> Network | None:
-    """The network that an engine runs; None of one with rules."""
+def _network_of(name: str | None, model: Model) -> Network | None:
+    """The network that an engine runs; None of one without."""
     entry = ENGINES[choose_engine(name, model)]
-    return import_module(entry.module).open_network(model) if entry.runs_models else None
+    return import_module(entry.module).open_network(model) if entry.runs == "models" else None

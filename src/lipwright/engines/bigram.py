@@ -20,20 +20,20 @@ from lipwright.track import PhoneTrack
 DEFAULT_SET: Final = "english"
 
 
-def open_set(model: str | Path | None = None) -> BigramSet:
-    """The set of that name or file; by default the English one.
+def open_set(model: str | Path | BigramSet | None = None) -> BigramSet:
+    """The set itself, or that of a name or file; by default the English one.
 
     Raises:
         LipwrightError: it cannot be used.
     """
-    return load_bigrams(model or DEFAULT_SET)
+    return model if isinstance(model, BigramSet) else load_bigrams(model or DEFAULT_SET)
 
 
 def animate(
     track: PhoneTrack,
     fps: float,
     audio: AudioFile | None = None,
-    model: str | Path | None = None,
+    model: str | Path | BigramSet | None = None,
 ) -> Clip:
     """The stitched curves of a track, in the poses of the set `model`.
 

@@ -23,6 +23,7 @@ from lipwright.passes.consonants import (
     strength,
 )
 from lipwright.passes.kinds import Pass, ease
+from lipwright.passes.poses import bigram_passes, constrain, limit_poses, remove_valleys
 from lipwright.passes.resting import SPEECH_LEAD, SPEECH_TAIL, parted, silence, speech_share
 from lipwright.passes.shaping import (
     CLOSERS,
@@ -37,10 +38,10 @@ from lipwright.track import PhoneTrack
 
 __all__ = [
     "CLOSERS", "MAX_FADE", "REQUIREMENTS", "SHUT", "SHUT_JAW", "SPEECH_LEAD", "SPEECH_TAIL",
-    "SPEED_LIMIT", "UNSEEN", "Pass", "Requirement", "apply_passes", "consonants",
-    "default_passes", "ease", "intensity", "learnt_passes", "limit", "parted",
-    "requirements_beside", "silence", "smooth", "soft_ceiling", "speech_share", "speed_limit",
-    "strength",
+    "SPEED_LIMIT", "UNSEEN", "Pass", "Requirement", "apply_passes", "bigram_passes", "consonants",
+    "constrain", "default_passes", "ease", "intensity", "learnt_passes", "limit", "limit_poses",
+    "parted", "remove_valleys", "requirements_beside", "silence", "smooth", "soft_ceiling",
+    "speech_share", "speed_limit", "strength",
 ]  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from lipwright.clip import Clip
-from lipwright.controls import CANONICAL
+from lipwright.controls import both_sides
 from lipwright.passes.kinds import Floats, Pass, ease
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
@@ -107,7 +107,7 @@ def requirements_beside(
         hidden = {
             name: target
             for name, target in requirement.controls.items()
-            if not set(_sides(name)) & set(controls)
+            if not set(both_sides(name)) & set(controls)
         }
         if requirement.controls is SHUT or not set(requirement.phones) & set(phones):
             kept.append(requirement)
@@ -134,10 +134,6 @@ def strength(
     eased = np.minimum(ease((times - first + fade_in) / fade_in),
                        ease((last + fade_out - times) / fade_out))  # fmt: skip
     return np.where(np.abs(times - (first + last) / 2) <= least / 2, 1.0, eased)
-
-
-def _sides(name: str) -> tuple[str, ...]:
-    return (name,) if name in CANONICAL else (f"{name}Left", f"{name}Right")
 
 
 _TARGETS: Final[Mapping[Mode, Callable[[Floats, float], Floats]]] = {
@@ -172,7 +168,7 @@ def consonants(requirements: Sequence[Requirement] = REQUIREMENTS) -> Pass:
             pause = start - track.edges[index - 1] if silent else 0.0
             weight = strength(requirement, start, end, times[first:stop], pause, frame)
             for control, (mode, value) in requirement.controls.items():
-                for name in _sides(control):
+                for name in both_sides(control):
                     if name in clip.names:
                         column = values[first:stop, clip.column(name)]
                         column += weight * (_TARGETS[mode](column, value) - column)
