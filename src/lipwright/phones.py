@@ -1,9 +1,18 @@
-"""The phone table: every ARPABET phone, how it is spelt, made and seen.
+"""The phone table: every ARPABET phone, and what other languages add; spelt, made and seen.
 
 ARPABET after the TIMIT and CMU conventions, without stress digits. Place, manner, height and
 backness follow the chart of the International Phonetic Association (2015) as used for American
 English by Ladefoged and Johnson, "A Course in Phonetics". The common class is that of table 1
 in Xu et al. 2013.
+
+Sounds of Swedish and Mandarin that look or sound like none of ARPABET follow it. Their symbols
+begin with X, as none of ARPABET does. Of a vowel, X is the same vowel with lips the other way:
+XIY is IY with rounded lips, XOW is OW without. Of a consonant, X is the same one elsewhere: XT is T
+with the tongue curled back. Made as the "Handbook of the International Phonetic Association" (1999)
+has it for Swedish (Engstrand), and Lee and Zee (2003) for Mandarin; their places and manners are
+the nearest by what is seen: retroflexes are alveolar (XS, XZ and XCH, with lips forward,
+postalveolar), XC and XTC are alveolar too, as the teeth meet and the lips stay back, XH, which is
+SH and a velar fricative at once, is postalveolar, and the trill XR is a flap.
 """
 
 from __future__ import annotations
@@ -40,13 +49,13 @@ class Phone:
     """One row of the table."""
 
     symbol: str
-    """ARPABET, or `sil`"""
+    """ARPABET, `sil`, or X and more for what ARPABET lacks"""
     ipa: str
     """its usual IPA letters; empty for silence"""
     xsampa: str
     """the same in X-SAMPA"""
     example: str
-    """a word with the phone's letters in capitals"""
+    """a word with the phone's letters in capitals; the language follows if it is not English"""
     common: str
     """class of the Common Phoneme Set; empty for silence"""
     manner: str = ""
@@ -100,7 +109,7 @@ def _consonant(
                  manner, place, voiced, rounded=rounded, parts=parts)  # fmt: skip
 
 
-_ROWS: Final[tuple[Phone, ...]] = (
+_ENGLISH: Final[tuple[Phone, ...]] = (
     Phone(SILENCE, "", "", "(silence)", "", voiced=False),
     # symbol, IPA, X-SAMPA, example, common class, height, backness, rounded, parts
     _vowel("AA", "ɑ", "A", "fAther", "aa", "low", "back"),
@@ -160,8 +169,41 @@ _ROWS: Final[tuple[Phone, ...]] = (
     _consonant("WH", "ʍ", "W", "WHich", "w", "approximant", "labiovelar", False, True),
 )  # fmt: skip
 
+# After the English rows, whose places in the table are those of models trained before.
+_OTHERS: Final[tuple[Phone, ...]] = (
+    # symbol, IPA, X-SAMPA, example, common class, height, backness, rounded
+    _vowel("XIY", "y", "y", "nY (Swedish)", "w", "high", "front", True),
+    _vowel("XIH", "ʏ", "Y", "nYtt (Swedish)", "w", "near-high", "front", True),
+    _vowel("XEY", "ø", "2", "sÖt (Swedish)", "w", "high-mid", "front", True),
+    _vowel("XEH", "œ", "9", "rÖtt (Swedish)", "ao", "low-mid", "front", True),
+    _vowel("XOW", "ɤ", "7", "gE (Mandarin)", "ah", "high-mid", "back"),
+    _vowel("XSI", "ɿ", "z=", "sI (Mandarin)", "z", "high", "central"),
+    _vowel("XRI", "ʅ", "z`=", "shI (Mandarin)", "er", "high", "central"),
+    # symbol, IPA, X-SAMPA, example, common class, manner, place, voiced, rounded, parts
+    _consonant("XT", "ʈ", "t`", "koRT (Swedish)", "d", "stop", "alveolar", False),
+    _consonant("XD", "ɖ", "d`", "boRD (Swedish)", "d", "stop", "alveolar", True),
+    _consonant("XN", "ɳ", "n`", "baRN (Swedish)", "d", "nasal", "alveolar", True),
+    _consonant("XL", "ɭ", "l`", "käRL (Swedish)", "l", "lateral", "alveolar", True),
+    _consonant("XR", "r̪", "r_d", "Ris (Swedish)", "d", "flap", "alveolar", True),
+    _consonant("XS", "ʂ", "s`", "foRS (Swedish)", "sh", "fricative", "postalveolar", False, True),
+    _consonant("XZ", "ʐ", "z`", "Ri (Mandarin)", "sh", "fricative", "postalveolar", True, True),
+    _consonant("XC", "ɕ", "s\\", "TJog (Swedish)", "z", "fricative", "alveolar", False),
+    _consonant("XH", "ɧ", "x\\", "SJäl (Swedish)", "sh", "fricative", "postalveolar", False,
+               True),
+    _consonant("XTS", "t͡s", "ts", "Zai (Mandarin)", "z", "affricate", "alveolar", False,
+               parts=("T", "S")),
+    _consonant("XTC", "t͡ɕ", "ts\\", "Jia (Mandarin)", "z", "affricate", "alveolar", False,
+               parts=("T", "XC")),
+    _consonant("XCH", "ʈ͡ʂ", "ts`", "ZHong (Mandarin)", "sh", "affricate", "postalveolar",
+               False, True, ("XT", "XS")),
+)  # fmt: skip
+_ROWS: Final = (*_ENGLISH, *_OTHERS)
+
 PHONES: Final = MappingProxyType({phone.symbol: phone for phone in _ROWS})
 """symbol to row, in the order of the table"""
+
+ARPABET: Final = frozenset(phone.symbol for phone in _ENGLISH)
+"""the phones of English, and silence"""
 
 BILABIALS: Final = frozenset(p.symbol for p in _ROWS if p.place == "bilabial")
 """the phones at which the lips touch"""
@@ -183,6 +225,7 @@ _IPA_ALSO: Final = MappingProxyType({
     "ou": "OW", "ei": "EY", "ai": "AY", "au": "AW", "ɔi": "OY", "oi": "OY", "əl": "EL", "ən": "EN",
     "əm": "EM", "ɫ": "L", "ʌɪ": "AY", "aː": "AA", "ɛɪ": "EY", "æʊ": "AW", "ɑɪ": "AY", "ɑʊ": "AW",
     "l̩": "EL", "ɹ̩": "ER", "χ": "K", "x": "K", "ʲ": "Y", "i̯": "Y", "aɪə": "AY", "aʊə": "AW",
+    "ɥ": "XIY", "z̩": "XSI", "ʐ̩": "XRI", "ɻ̩": "XRI", "ɻ": "XZ",
     "oːɹ": "AO", "ɔːɹ": "AO", "ɑːɹ": "AA", "ɛɹ": "EH", "ɪɹ": "IH", "ʊɹ": "UH",
 })  # fmt: skip
 _XSAMPA_ALSO: Final = MappingProxyType({
@@ -192,7 +235,7 @@ _XSAMPA_ALSO: Final = MappingProxyType({
     "@2": "AX", "@5": "AX", "I2#": "IX", "a2": "AX", "eI": "EY", "EI": "EY", "t#": "DX", "t2": "T",
     "l#": "EL", "n-": "EN", "m-": "EM", "l-": "EL", "A@": "AA", "O@": "AO", "o@": "AO", "aI@": "AY",
     "aI3": "AY", "aU@": "AW", "i@3": "IH", "3r": "ER", "A#": "AA", "o": "AO", "oU#": "OW",
-    "w#": "WH",
+    "w#": "WH", "H": "XIY", "r\\`": "XZ",
     "h": "HH", "n^": "N", "tS;": "CH", "?": "Q", "d2": "D", "z2": "Z", "D2": "DH", "e2": "EH",
 })  # fmt: skip
 _MARKS: Final = str.maketrans("", "", "ˈˌˑː.‿͜͡'\"%,:;ʰ")  # stress, length, ties, aspiration
