@@ -12,7 +12,7 @@ from lipwright.face.asset import Asset
 from lipwright.face.easing import smooth_step
 from lipwright.face.eyes import eye_sphere
 from lipwright.face.lips import CONTACT_UPPER, NOSE_TIP, red_of_lips
-from lipwright.face.occlusion import openness
+from lipwright.face.occlusion import openness, smoothed, unit_normals
 from lipwright.face.paint import Landmarks, hair_depth, paint_texture, skin_uvs
 from lipwright.face.pieces import Piece
 from lipwright.face.topology import QuadGraph
@@ -44,7 +44,7 @@ def dress_skin(skin: Piece, asset: Asset, body: QuadGraph) -> NDArray[np.uint8]:
     lips = np.append(red_of_lips(body, len(rest)), 0.0)  # the last for vertices of the cut
     skin.uvs = skin_uvs(skin.vertices)
     texture = paint_texture(skin.vertices, skin.triangles, lips[skin.source], marks)
-    normals = _normals(skin.vertices, skin.triangles)
+    normals = unit_normals(skin.vertices, skin.triangles)
     ear = np.abs(skin.vertices[:, 0]) > 0.0735
     stand = smooth_step(-0.002, 0.016, hair_depth(skin.vertices)) * HAIR_M * ~ear
     skin.vertices = skin.vertices + normals * stand[:, None]
@@ -59,7 +59,7 @@ def neckline_depth(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
 def dress_shirt(shirt: Piece) -> None:
     """Lift `shirt` off the skin and colour it, with a hem along the neckline."""
     depth = neckline_depth(shirt.vertices)
-    normals = _normals(shirt.vertices, shirt.triangles)
+    normals = unit_normals(shirt.vertices, shirt.triangles)
     stand = CLOTH_M * (1 - 0.35 * smooth_step(0.010, 0.014, depth))
     shirt.vertices = shirt.vertices + normals * stand[:, None]
     hem = smooth_step(0.014, 0.009, depth)
@@ -75,10 +75,10 @@ def shade(pieces: Sequence[Piece]) -> None:
     rest = np.concatenate([piece.vertices for piece in pieces])
     jaw = np.concatenate([p.shapes.get("jawOpen", np.zeros_like(p.vertices)) for p in pieces])
     closed, opened = (
-        openness(pose, _normals(pose, triangles), triangles)
+        openness(pose, unit_normals(pose, triangles), triangles)
         for pose in (rest, rest + SHADED_JAW * jaw)
     )
-    closed, opened = (_smoothed(light, triangles) for light in (closed, opened))
+    closed, opened = (smoothed(light, triangles) for light in (closed, opened))
     for piece, start in zip(pieces, starts, strict=False):
         span = slice(start, start + len(piece.vertices))
         if piece.material == "lash":
@@ -96,24 +96,3 @@ def shade(pieces: Sequence[Piece]) -> None:
             piece.tints = piece.tints * MOUTH_TINT
         # Light that skin scatters back into its folds is red.
         piece.tints = piece.tints * light[:, None] ** np.array([0.75, 0.95, 1.0])
-
-
-def _smoothed(values: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Each vertex's value averaged with those of its neighbours, twice."""
-    for _ in range(2):
-        means = values[triangles].mean(axis=1)
-        sums, counts = np.zeros_like(values), np.zeros_like(values)
-        for corner in range(3):
-            np.add.at(sums, triangles[:, corner], means)
-            np.add.at(counts, triangles[:, corner], 1.0)
-        values = np.where(counts > 0, sums / np.maximum(counts, 1), values)
-    return values
-
-
-def _normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
-    corners = vertices[triangles]
-    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.zeros_like(vertices)
-    for corner in range(3):
-        np.add.at(sums, triangles[:, corner], faces)
-    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-20))

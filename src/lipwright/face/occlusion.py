@@ -57,3 +57,27 @@ def _visible(
     depth[covered] = (points[triangles[triangle], 2] * shares).sum(axis=1)
     column, row = np.clip(points[:, :2].astype(int), 0, MAP_SIDE - 1).T
     return np.asarray(turned[:, 2] <= depth[row * MAP_SIDE + column] + BIAS_M)
+
+
+def smoothed(values: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
+    """(V,), each vertex's value averaged with those of its neighbours, twice."""
+    for _ in range(2):
+        means = values[triangles].mean(axis=1)
+        sums, counts = np.zeros_like(values), np.zeros_like(values)
+        for corner in range(3):
+            np.add.at(sums, triangles[:, corner], means)
+            np.add.at(counts, triangles[:, corner], 1.0)
+        values = np.where(counts > 0, sums / np.maximum(counts, 1), values)
+    return values
+
+
+def unit_normals(
+    vertices: NDArray[np.float64], triangles: NDArray[np.integer]
+) -> NDArray[np.float64]:
+    """Normals (V, 3) of unit length, weighted by area."""
+    corners = vertices[triangles]
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(sums, triangles[:, corner], faces)
+    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-20))
