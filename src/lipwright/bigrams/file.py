@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from lipwright.bigrams.fields import FORMAT, OTHERWISE_KEY, PLUS, VERSION, SetFile, read_fields
 from lipwright.bigrams.places import Fault, parse
@@ -17,7 +17,13 @@ from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.formats.source import decode_text, read_bytes
 
-__all__ = ["SetFile", "editing", "load_set", "read_set_text", "save_set", "set_to_text"]
+if TYPE_CHECKING:
+    from lipwright.bigrams.smartbody import Imported
+
+__all__ = [
+    "SetFile", "editing", "is_ours", "load_any", "load_set", "read_set_text", "save_set",
+    "set_to_text", "sorted_pairs",
+]  # fmt: skip
 
 PathLike = str | os.PathLike[str]
 
@@ -33,17 +39,42 @@ def load_set(path: PathLike) -> SetFile:
     Raises:
         LipwrightError: it cannot be read or used; names line and column.
     """
-    from lipwright.bigrams.smartbody import is_smartbody_json, json_to_set
+    return load_any(path).said
+
+
+def load_any(path: PathLike, name: str | None = None) -> Imported:
+    """As `load_set`, with what had to be changed in another format.
+
+    Args:
+        path: the file.
+        name: the set that is wanted, where the file has several.
+
+    Raises:
+        LipwrightError: it cannot be read or used, or has no set of that name.
+    """
+    from lipwright.bigrams.smartbody import Imported, is_smartbody_json, json_to_set
     from lipwright.bigrams.smartbody_text import is_smartbody_text, text_to_set
 
     text = read_set_text(path)
     if is_smartbody_text(text):
-        return text_to_set(path, text).said
+        return text_to_set(path, text, name)
     content = parse(path, text)
     try:
-        return json_to_set(content).said if is_smartbody_json(content) else read_fields(content)
+        is_theirs = is_smartbody_json(content)
+        found = json_to_set(content) if is_theirs else Imported(read_fields(content))
     except Fault as fault:
         raise fault.in_file(path, text) from None
+    if name not in (None, found.said.name):
+        raise LipwrightError(f"{path}: has no set {name!r}; it has: {found.said.name}")
+    return found
+
+
+def is_ours(text: str) -> bool:
+    """Whether the text of a set is of our format."""
+    from lipwright.bigrams.smartbody import is_smartbody_json
+    from lipwright.bigrams.smartbody_text import is_smartbody_text
+
+    return not is_smartbody_text(text) and not is_smartbody_json(parse("the set", text))
 
 
 def read_set_text(path: PathLike) -> str:

@@ -14,10 +14,11 @@ from typing import Any, Final
 
 from lipwright.bigrams.curves import read_curve
 from lipwright.bigrams.fields import SetFile
+from lipwright.bigrams.fresh import COMMON_CLASSES, FACEFX_CONSTRAINTS, FACEFX_POSES
 from lipwright.bigrams.jsonvalues import check_keys, named, object_at, word_at
 from lipwright.bigrams.places import Fault, Step
 from lipwright.bigrams.values import OTHERWISE, Bigram, Pair, Points, Pose
-from lipwright.phones import COMMON, PHONES, SILENCE, is_silence_label
+from lipwright.phones import PHONES, SILENCE, is_silence_label
 
 Classes = Mapping[str, tuple[str, ...]]
 
@@ -25,23 +26,6 @@ LICENCE: Final = "LGPL-2.1"
 SILENT: Final = "_"
 """their class of silence"""
 JSON_KEYS: Final = ("set", "classes", "poses", "bigrams")
-
-# Xu et al. 2013, section 2.2.2: of two poses the one of less priority gives way.
-FACEFX_POSES: Final = MappingProxyType({
-    "open": Pose("open", 0), "W": Pose("W", 1), "wide": Pose("wide", 2),
-    "ShCh": Pose("ShCh", 3), "FV": Pose("FV", 4, "widen"), "PBM": Pose("PBM", 5, "widen"),
-    "tBack": Pose("tBack", 0), "tRoof": Pose("tRoof", 0), "tTeeth": Pose("tTeeth", 0),
-})  # fmt: skip
-"""the poses of FaceFX, as SmartBody spells them; closures are widened, ours"""
-FACEFX_CONSTRAINTS: Final = MappingProxyType({
-    ("open", "FV"): 0.5, ("open", "PBM"): 0.5, ("open", "ShCh"): 0.5,
-})  # fmt: skip
-COMMON_CLASSES: Final[Classes] = MappingProxyType({
-    name: tuple(phone.symbol for phone in PHONES.values() if phone.common == name)
-    for name in COMMON
-})  # fmt: skip
-"""table 1 of Xu et al. 2013: the classes of SmartBody's set "default", but for j, oh and oo, which
-have a few pairs and no phone of their own"""
 
 # The sets "neutral" and "angry" have a few poses of their own; `ah` drops the jaw. Ours.
 EXPRESSIVE_POSES: Final = MappingProxyType({
@@ -178,6 +162,7 @@ def classes_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
 
     A set whose classes are those of "neutral" takes `EXPRESSIVE_CLASSES`, any other
     `COMMON_CLASSES`; a class in neither is the phone of that name, if there is one, or else none.
+    So are j, oh and oo of "default", which have a few pairs and no phone of their own.
     """
     is_expressive = set(names) <= set(EXPRESSIVE_CLASSES)
     table = EXPRESSIVE_CLASSES if is_expressive else {**COMMON_CLASSES, SILENCE: (SILENCE,)}
