@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -16,8 +16,11 @@ from typing import Final
 
 from lipwright.bigrams.missing import stand_in
 from lipwright.bigrams.values import BigramSet, Pair
+from lipwright.dataset.folder import open_dataset
+from lipwright.dataset.recording import PHONES_FILE
 from lipwright.errors import LipwrightError, MissingExtraError
 from lipwright.files import write_whole
+from lipwright.formats import read_track
 from lipwright.language import Language, get_language
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
@@ -106,7 +109,7 @@ class Counting:
         speaker = get_language(language)
         said: dict[str, tuple[str, ...]] = {}
         for number, line in enumerate(text.splitlines(), start=1):
-            if line.strip():
+            if any(map(str.isalnum, line)):
                 try:
                     phones = list(_line_phones(speaker, line, said))
                 except LipwrightError as error:
@@ -125,7 +128,7 @@ class Counting:
         self.pairs.update(pairwise(phones))
 
     def coverage(
-        self, bigrams: BigramSet, origins: dict[Pair, str] | None = None, *, pauses: bool = True
+        self, bigrams: BigramSet, origins: Mapping[Pair, str] | None = None, *, pauses: bool = True
     ) -> Coverage:
         """What was counted, in the classes of a set.
 
@@ -138,10 +141,34 @@ class Counting:
         for (first, second), count in self.pairs.items():
             if pauses or SILENCE not in (first, second):
                 counts[bigrams.class_of(first), bigrams.class_of(second)] += count
-        return Coverage(tuple(_rows(bigrams, counts, origins or {})), _possible(bigrams, pauses))
+        return cover(bigrams, counts, origins, pauses=pauses)
 
 
-def _rows(bigrams: BigramSet, counts: Counter[Pair], origins: dict[Pair, str]) -> Iterator[Row]:
+def cover(
+    bigrams: BigramSet,
+    counts: Mapping[Pair, int],
+    origins: Mapping[Pair, str] | None = None,
+    *,
+    pauses: bool = True,
+) -> Coverage:
+    """The coverage of pairs of classes that are said so often."""
+    return Coverage(tuple(_rows(bigrams, counts, origins or {})), _possible(bigrams, pauses))
+
+
+def dataset_tracks(path: Path) -> Iterator[PhoneTrack]:
+    """The phones of a dataset's usable recordings.
+
+    Raises:
+        LipwrightError: it is no dataset, or a file of it is broken.
+    """
+    dataset = open_dataset(path)
+    for name in dataset.names():
+        yield read_track(dataset.folder(name) / PHONES_FILE)
+
+
+def _rows(
+    bigrams: BigramSet, counts: Mapping[Pair, int], origins: Mapping[Pair, str]
+) -> Iterator[Row]:
     total, before = sum(counts.values()), 0
     ordered = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
     for rank, (pair, count) in enumerate(ordered, start=1):
@@ -236,8 +263,3 @@ def draw_distribution(path: Path, coverage: Coverage) -> None:
 
 WRITERS: Final = {".csv": write_table, ".png": draw_distribution}
 """suffix to what writes a coverage"""
-
-
-def table_lines(coverage: Coverage, most: int) -> Sequence[tuple[str, ...]]:
-    """The first rows as table 2 of the paper has them, with a heading."""
-    return [COLUMNS, *(row.cells() for row in coverage.rows[:most])]

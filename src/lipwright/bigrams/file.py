@@ -122,13 +122,13 @@ def set_to_text(said: SetFile) -> str:
     if said.otherwise is not None:
         constraints[OTHERWISE_KEY] = said.otherwise
     pairs = sorted_pairs(said.bigrams, said.classes)
-    poses = list(said.poses)
-    lines += [
-        _block("classes", {name: _dump(list(phones)) for name, phones in said.classes.items()}),
-        _block("poses", {name: _pose(pose) for name, pose in said.poses.items()}),
-        _block("constraints", {key: _number(most) for key, most in constraints.items()}),
-        _block("bigrams", {" ".join(p): _bigram(said.bigrams[p], poses) for p in pairs}),
-    ]
+    blocks = {
+        "classes": {name: _dump(list(phones)) for name, phones in said.classes.items()},
+        "poses": {name: _pose(pose) for name, pose in said.poses.items()},
+        "constraints": {key: _number(most) for key, most in constraints.items()},
+        "bigrams": {" ".join(p): _bigram(said.bigrams[p], list(said.poses)) for p in pairs},
+    }
+    lines += [_block(key, rows) for key, rows in blocks.items() if rows or key == "bigrams"]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
