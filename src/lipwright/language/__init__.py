@@ -28,7 +28,13 @@ def _english() -> Language:
     return English()
 
 
-LANGUAGES: Final = MappingProxyType[str, Callable[[], Language]]({"en": _english})
+def _mandarin() -> Language:
+    from lipwright.language.mandarin import Mandarin
+
+    return Mandarin()
+
+
+LANGUAGES: Final = MappingProxyType[str, Callable[[], Language]]({"en": _english, "cmn": _mandarin})
 """code to what makes the language"""
 
 
