@@ -35,10 +35,11 @@ character = crab()
 shown = ExportOptions(size=(640, 480), title="A crab talks", character=character, view=CAMERA)
 lipwright.export_all([out / "crab.glb", out / "crab.mp4"], result.performance, options=shown)
 
-# A contact sheet: the middle of every sixth phone.
+# A contact sheet: the frame in the middle of every sixth phone.
 middles = (result.track.edges[:-1] + result.track.edges[1:]) / 2
+frames = np.rint(middles * result.clip.fps).astype(int)[2::6][:12]
 with Renderer(character, 320, 240, view=CAMERA) as renderer:
-    poses = result.clip.select(character.shape_names).at(middles[2::6][:12])
+    poses = result.clip.select(character.shape_names).values[frames]
     pictures = [renderer.render(pose) for pose in poses]
 write_png(out / "crab.png", np.vstack([np.hstack(pictures[i : i + 4]) for i in (0, 4, 8)]))
 print("crab.glb, crab.mp4, crab.png:", " ".join(result.track.phones[2::6][:12]))

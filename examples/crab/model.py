@@ -102,7 +102,7 @@ def tongue() -> Piece:
     back, rise = 0.008 + 0 * share, 0.006 * np.sin(np.pi * share)
     spines = {
         "": (MIDDLE - 0.010 + rise, back + 0.039 * share),
-        "tongue up": (MIDDLE - 0.012 + 0.034 * share**1.8, back + 0.036 * share),
+        "tongue up": (MIDDLE - 0.012 + 0.026 * share**1.8, back + 0.036 * share),
         "tongue down": (MIDDLE - 0.011 - 0.012 * share**1.4, back + 0.038 * share),
         "tongue out": (
             MIDDLE - 0.010 + 0.014 * smooth_step(0.0, 0.5, share)

@@ -65,7 +65,7 @@ def outlines() -> dict[str, Outline]:
     return {
         "": Outline(WIDTH * u, rest),
         "bare teeth": Outline(1.06 * WIDTH * u, bare_y, thickness=0.82, roundness=0.3),
-        "frown": Outline(0.95 * WIDTH * u, rest - 0.024 * corners + 0.006, 0.001, 0.9),
+        "frown": Outline(0.95 * WIDTH * u, rest - 0.021 * corners + 0.005, 0.001, 0.9),
         "smile": Outline(1.13 * WIDTH * u, rest + 0.020 * corners - 0.005, thickness=0.95),
         "mouth open": Outline(0.88 * WIDTH * u, open_y, roundness=0.6, jaw=0.024),
         "mouth OO": Outline(

@@ -48,7 +48,7 @@ TARGETS: Final[dict[str, tuple[Target, ...]]] = {
     "f": ({"bare teeth": 0.42, "tongue down": 0.40},),
     "d": ({"mouth open": 0.28, "tongue up": 0.85, "bare teeth": 0.12},),
     "kg": ({"mouth open": 0.36, "tongue down": 0.80},),
-    "bmp": ({"frown": 0.65},),
+    "bmp": ({"frown": 1.0},),
 }
 """class to what the crab does for it: ours, by eye"""
 
