@@ -23,10 +23,11 @@ from lipwright.phones import SILENCE
 
 ARTICULATORS: Final = MappingProxyType({
     "jaw": ("open",),
-    "lips": ("W", "ShCh", "wide"),
+    "lips": ("W", "wide"),
     "tongue": ("tRoof", "tTeeth", "tBack"),
 })  # fmt: skip
-"""articulator to the FaceFX poses that it makes and that neighbours share"""
+"""articulator to the FaceFX poses that it makes and that neighbours share; nobody shares ShCh, as no
+jaw opens with it (C of open and ShCh, Xu et al. 2013, section 2.2.2)"""
 
 CLOSURES: Final = MappingProxyType({
     "PBM": ("open", "W", "ShCh", "FV"),
@@ -44,6 +45,7 @@ HOLD: Final = (
 MIDDLE: Final = (0.5,)  # of its phone, where a single target is met
 PARTS: Final = (0.3, 0.7)  # of its phone, where the two targets of a diphthong are met
 SPREAD: Final = 1 / 12  # of a phone, from the middle one of three equal points to the others
+LEAST: Final = 0.03  # a curve that stays below is not seen, and left out
 RAMP: Final = 1 / 3  # of the neighbour: how far a closure's ramp reaches into it
 
 
@@ -124,7 +126,7 @@ def rule_curves(first: str, second: str, targets: Targets | None = None) -> dict
     for pose in POSES:
         one = [(time / 2, value) for time, value in _half(before, after[0], pose, -1)]
         other = [(0.5 + time / 2, value) for time, value in _half(after, before[-1], pose, 0)]
-        if any(value for _, value in (*one, *other)):
+        if max(value for _, value in (*one, *other)) >= LEAST:
             points = ((0.0, 0.0), *one, *other, (1.0, 0.0))
             curves[pose] = tuple((round(time, 4), round(value, 3)) for time, value in points)
     return curves
