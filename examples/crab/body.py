@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from crab.forms import Vectors, bend, block, closed, directions, facing, rounded, tube
+from crab.forms import Form, Vectors, bend, block, closed, directions, facing, rounded, tube
 from crab.mouth import COLUMNS, FIRST_LIP_RING, LIP_RINGS
 
 from lipwright.face.easing import smooth_step
@@ -96,7 +96,7 @@ def _both_sides(name: str, material: str, left: Piece) -> list[Piece]:
     ]  # fmt: skip
 
 
-def _plain(name: str, form, tints: Vectors) -> Piece:
+def _plain(name: str, form: Form, tints: Vectors) -> Piece:
     colors = np.broadcast_to(tints, form.vertices.shape).copy()
     return Piece(name, "shell", form.vertices, form.triangles, {}, tints=colors)
 
