@@ -48,7 +48,7 @@ def edit_set(
             f"lipwright bigrams new NAME --parent {name_or_path} -o FILE"
         )
     with editing(path):
-        if not is_ours(read_set_text(path)):
+        if not is_ours(path, read_set_text(path)):
             raise LipwrightError(
                 f"{path}: is of another format; make a set of it with: lipwright bigrams import"
             )

@@ -69,12 +69,12 @@ def load_any(path: PathLike, name: str | None = None) -> Imported:
     return found
 
 
-def is_ours(text: str) -> bool:
-    """Whether the text of a set is of our format."""
+def is_ours(path: PathLike, text: str) -> bool:
+    """Whether the text of the set `path` is of our format."""
     from lipwright.bigrams.smartbody import is_smartbody_json
     from lipwright.bigrams.smartbody_text import is_smartbody_text
 
-    return not is_smartbody_text(text) and not is_smartbody_json(parse("the set", text))
+    return not is_smartbody_text(text) and not is_smartbody_json(parse(path, text))
 
 
 def read_set_text(path: PathLike) -> str:

@@ -10,11 +10,14 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from itertools import pairwise
 from math import inf
+from typing import Final
 from weakref import WeakKeyDictionary
 
 from lipwright.bigrams.values import Bigram, BigramSet, Pair
 from lipwright.phones import SILENCE, phone_distance
 from lipwright.track import PhoneTrack
+
+UNLIKE: Final = 5.0  # `phone_distance` of a vowel and a consonant that is no glide
 
 StandIn = tuple[Bigram | None, Pair | None]
 
@@ -39,7 +42,7 @@ def stand_in(bigrams: BigramSet, pair: Pair) -> StandIn:
 
     That is the pair itself; or else the pair of the most alike classes that the set has, with one
     side changed before both are; or else (None, None): every pose rests. A silence never stands
-    in for a sound, nor a sound for a silence.
+    in for a sound, nor a sound for a silence; nor a consonant for a vowel, but for glides.
     """
     found = _found.setdefault(bigrams, {})
     if pair not in found:
@@ -94,7 +97,7 @@ def _alike(classes: tuple[tuple[str, tuple[str, ...]], ...], name: str) -> dict[
         for other, theirs in classes
         if other != name and (SILENCE in theirs) == silent
     }
-    return {other: distance for other, distance in distances.items() if distance < inf}
+    return {other: distance for other, distance in distances.items() if distance < UNLIKE}
 
 
 _distance = lru_cache(maxsize=None)(phone_distance)

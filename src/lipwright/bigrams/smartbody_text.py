@@ -12,7 +12,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from lipwright.bigrams.places import Fault, line_and_column
 from lipwright.bigrams.smartbody import SILENT, Imported, class_name, curves_to_set, repeated_note
@@ -35,8 +35,7 @@ _TOKEN: Final = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class _Token:
+class _Token(NamedTuple):  # of which there are many
     kind: str
     text: str
     offset: int
@@ -221,7 +220,7 @@ def _arguments(
             raise _wrong(
                 path, text, token.offset, f"{token.text[:24]!r} is no plain text or number"
             )
-    raise _wrong(path, text, tokens[place - 2].offset, "the bracket of this call never ends")
+    raise _wrong(path, text, tokens[place - 1].offset, "the bracket of this call never ends")
 
 
 def _string(path: object, text: str, token: _Token) -> str:
