@@ -92,7 +92,7 @@ def whole(make: Make, folder: Path) -> dict[str, BigramSet]:
 def said(phones: str, seconds: float = 0.12) -> PhoneTrack:
     """Phones between silences, each as long as the next."""
     symbols = (SILENCE, *phones.split(), SILENCE)
-    return PhoneTrack(symbols, np.linspace(0, len(symbols) * seconds, len(symbols) + 1))
+    return PhoneTrack(symbols, np.arange(len(symbols) + 1, dtype=np.float64) * seconds)
 
 
 def peak(bigrams: BigramSet, phones: str, pose: str) -> float:

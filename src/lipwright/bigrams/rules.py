@@ -26,8 +26,8 @@ ARTICULATORS: Final = MappingProxyType({
     "lips": ("W", "wide"),
     "tongue": ("tRoof", "tTeeth", "tBack"),
 })  # fmt: skip
-"""articulator to the FaceFX poses that it makes and that neighbours share; nobody shares ShCh, as no
-jaw opens with it (C of open and ShCh, Xu et al. 2013, section 2.2.2)"""
+"""articulator to the FaceFX poses that it makes and that neighbours share; nobody shares ShCh, as
+no jaw opens with it (C of open and ShCh, Xu et al. 2013, section 2.2.2)"""
 
 CLOSURES: Final = MappingProxyType({
     "PBM": ("open", "W", "ShCh", "FV"),
