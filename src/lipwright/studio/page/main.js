@@ -1,0 +1,351 @@
+// The page: one state, and what changes it.
+
+import { close, offerRecovery, offerReload, showError } from "./bars.js";
+import { byId } from "./drawing.js";
+import { createFace } from "./face.js";
+import { createLine } from "./line.js";
+import { createMatrix } from "./matrix.js";
+import { createPairEditor, createPoseBar, weightsAt } from "./pair.js";
+import { createFacts, createPointTable } from "./points.js";
+import { get, latest, post, put } from "./server.js";
+
+const state = {
+  set: null,
+  status: null,
+  pair: null,
+  pose: null, // the one whose points are edited
+  line: null,
+  motion: null,
+  time: 0, // s in the line
+  playhead: null, // share of the pair, while it is looked at
+  boundary: 0.5, // where the first phone of the pair ends
+};
+
+const face = createFace({ onTrouble: trouble });
+const matrix = createMatrix({ onChoose: (key) => choosePair(key) });
+const editor = createPairEditor({ choosePose, preview, commit, lookAt });
+const poseBar = createPoseBar({ choosePose, addPose, removePose });
+const table = createPointTable({ commit });
+const facts = createFacts({ note: (text) => commit(state.pair.curves, text), revert: () => change("/api/revert", { pair: state.pair.pair }) });
+const line = createLine({ choose: choosePair, seek });
+
+function trouble(error) {
+  if (error.status === undefined) console.error(error);
+  showError(error.message);
+}
+
+// ---- drawing what the state says
+
+function show() {
+  if (!state.pair) return;
+  showBar();
+  const chosen = state.pair.pair;
+  matrix.update({ ...state, chosen });
+  poseBar.update(state);
+  editor.update(state);
+  table.update(state);
+  facts.update(state);
+  line.update({ ...state, chosen });
+}
+
+function showCurves() {
+  editor.update(state);
+  table.update(state);
+  line.update({ ...state, chosen: state.pair.pair });
+}
+
+function showBar() {
+  const { set, status } = state;
+  byId("set-name").textContent = set.name;
+  byId("set-file").textContent = set.parent ? `${set.file}, child of ${set.parent.split("/").at(-1)}` : set.file;
+  const count = status.unsaved.length;
+  const fresh = status.exists ? "All saved" : "The file is made at the first Save";
+  byId("saved").textContent = count ? `${count} unsaved ${count === 1 ? "pair" : "pairs"}` : fresh;
+  byId("save").disabled = !count;
+  byId("undo").disabled = !status.undo;
+  byId("redo").disabled = !status.redo;
+  document.title = `${count ? "• " : ""}${set.name}: phone bigrams`;
+  const classes = state.pair.pair.split(" ").map((name) => set.classes.find((one) => one.name === name));
+  byId("pair-title").textContent = classes.map((one) => one.name).join(" → ");
+  byId("pair-words").textContent = classes.map((one) => one.examples.slice(0, 2).join(", ") || "no phones").join(" → ");
+}
+
+function showPicture() {
+  if (state.playhead !== null) {
+    face.show(weightsAt(state.pair.dense, state.playhead), `at ${state.playhead.toFixed(2)} of the pair`);
+  } else if (state.motion) {
+    const at = state.time * state.line.fps;
+    const weights = Object.entries(state.motion.curves).map(([pose, values]) => {
+      const low = Math.min(Math.floor(at), values.length - 1);
+      const high = Math.min(low + 1, values.length - 1);
+      return [pose, values[low] + (at - low) * (values[high] - values[low])];
+    });
+    face.show(Object.fromEntries(weights), `at ${state.time.toFixed(2)} s of the line`);
+  } else {
+    face.show({}, "at rest");
+  }
+}
+
+// ---- choosing
+
+function choosePose(pose) {
+  if (state.pose === pose) return;
+  state.pose = pose;
+  show();
+}
+
+function firstPose() {
+  const used = Object.keys(state.pair.curves);
+  if (used.includes(state.pose)) return state.pose;
+  const height = (pose) => Math.max(...state.pair.curves[pose].map(([, value]) => value));
+  return used.sort((a, b) => height(b) - height(a))[0] ?? null;
+}
+
+// Where the first phone ends in the pair: as in the line, if it is said there.
+function boundaryOf(key, span) {
+  const said = span ?? state.motion?.pairs.find((one) => one.pair === key);
+  if (!said) return 0.5;
+  return (state.line.phones[said.index].end - said.start) / (said.end - said.start);
+}
+
+async function choosePair(key, span) {
+  editor.finish();
+  try {
+    const pair = await get(`/api/pair?pair=${encodeURIComponent(key)}`);
+    Object.assign(state, { pair, playhead: null, boundary: boundaryOf(key, span) });
+    state.pose = firstPose();
+    if (span) seek(state.line.phones[span.index].end);
+    location.hash = encodeURIComponent(key);
+    show();
+    if (!span) lookAt(state.boundary);
+  } catch (error) {
+    trouble(error);
+  }
+}
+
+function lookAt(share) {
+  stop();
+  state.playhead = share;
+  editor.update(state);
+  showPicture();
+}
+
+function seek(time) {
+  state.time = time;
+  state.playhead = null;
+  line.seek(time);
+  editor.update(state);
+  showPicture();
+}
+
+// ---- editing
+
+const askPreview = latest(async ({ pair, curves }, isWanted) => {
+  try {
+    const answer = await post("/api/preview", { pair, curves });
+    if (!isWanted() || state.pair.pair !== pair) return;
+    state.pair = { ...state.pair, dense: answer.dense };
+    state.motion = answer.motion ?? state.motion;
+    showCurves();
+    showPicture();
+  } catch (error) {
+    trouble(error);
+  }
+});
+
+function preview(curves, share) {
+  stop();
+  state.pair = { ...state.pair, curves };
+  state.playhead = share;
+  editor.update(state);
+  table.update(state);
+  askPreview({ pair: state.pair.pair, curves });
+}
+
+// Edits go to the server one after the other, each with the revision that the one before made.
+let queue = Promise.resolve();
+
+function change(path, body, ask = post) {
+  askPreview.forget();
+  queue = queue.then(async () => {
+    try {
+      take(await ask(path, { ...body, revision: state.status.revision }));
+      close("error");
+    } catch (error) {
+      await refused(error);
+    }
+  });
+  return queue;
+}
+
+function commit(curves, note = state.pair.note) {
+  state.pair = { ...state.pair, curves, missing: false };
+  change("/api/pair", { pair: state.pair.pair, curves, note }, put);
+}
+
+function addPose(pose, points) {
+  state.pose = pose;
+  commit({ ...state.pair.curves, [pose]: points });
+}
+
+function removePose(pose) {
+  const { [pose]: _, ...others } = state.pair.curves;
+  commit(others);
+}
+
+function take({ status, pair, motion }) {
+  if (editor.isBusy() && pair) { // the hand is quicker than the answer: keep what it holds
+    Object.assign(state, { status });
+    return;
+  }
+  Object.assign(state, { status });
+  if (pair) {
+    state.pair = pair;
+    state.pose = firstPose();
+    if (location.hash.slice(1) !== encodeURIComponent(pair.pair)) location.hash = encodeURIComponent(pair.pair);
+  }
+  if (motion) state.motion = motion;
+  show();
+  showPicture();
+}
+
+async function refused(error) {
+  trouble(error);
+  if (error.status === 0) return;
+  try {
+    takeAll(await get("/api/set"));
+    await choosePair(state.pair.pair);
+  } catch (worse) {
+    trouble(worse);
+  }
+}
+
+async function save() {
+  editor.finish();
+  await queue;
+  try {
+    take(await post("/api/save", { revision: state.status.revision }));
+    close("error");
+  } catch (error) {
+    if (error.status === 409) offerReload(error.message, (keep) => decide("/api/reload", keep));
+    else trouble(error);
+  }
+}
+
+async function decide(path, keep) {
+  try {
+    takeAll(await post(path, { keep }));
+    close("reload");
+    close("error");
+    await choosePair(state.pair.pair);
+  } catch (error) {
+    trouble(error);
+  }
+}
+
+// ---- the line
+
+async function say(text) {
+  byId("say").classList.add("busy");
+  try {
+    const answer = await post("/api/line", { text });
+    Object.assign(state, answer, { time: 0, playhead: null });
+    close("error");
+    show();
+    seek(0);
+  } catch (error) {
+    trouble(error);
+  } finally {
+    byId("say").classList.remove("busy");
+  }
+}
+
+let playing = null;
+
+function stop() {
+  if (!playing) return;
+  cancelAnimationFrame(playing.request);
+  playing = null;
+  byId("play").textContent = "Play";
+}
+
+function play() {
+  if (playing) {
+    stop();
+    return;
+  }
+  if (!state.line) return;
+  let time = state.time >= state.line.duration - 0.02 ? 0 : state.time;
+  let last = performance.now();
+  const step = (now) => {
+    time += ((now - last) / 1000) * Number(byId("speed").value);
+    last = now;
+    seek(Math.min(time, state.line.duration));
+    if (time >= state.line.duration) stop();
+    else playing.request = requestAnimationFrame(step);
+  };
+  byId("play").textContent = "Pause";
+  playing = { request: requestAnimationFrame(step) };
+}
+
+// ---- beginning
+
+function takeAll(answer) {
+  Object.assign(state, answer);
+  face.setTrouble(answer.picture);
+  byId("text").value = answer.line?.text ?? "";
+  offerRecovery(state.status, (keep) => decide("/api/recover", keep));
+}
+
+const isTyping = (target) => target.matches?.("input[type=text], input[type=number], select");
+
+document.addEventListener("keydown", (event) => {
+  const control = event.ctrlKey || event.metaKey;
+  const key = event.key.toLowerCase();
+  if (control && key === "s") {
+    event.preventDefault();
+    save();
+  } else if (control && (key === "z" || key === "y") && !event.target.matches?.("input[type=text]")) {
+    event.preventDefault();
+    step(key === "y" || event.shiftKey ? "redo" : "undo");
+  } else if (event.key === " " && !isTyping(event.target) && !event.target.matches?.("button")) {
+    event.preventDefault();
+    play();
+  }
+});
+
+function step(which) {
+  editor.finish();
+  if (state.status[which]) change(`/api/${which}`, {});
+}
+
+byId("undo").addEventListener("click", () => step("undo"));
+byId("redo").addEventListener("click", () => step("redo"));
+byId("save").addEventListener("click", save);
+byId("play").addEventListener("click", play);
+byId("say").addEventListener("submit", (event) => {
+  event.preventDefault();
+  stop();
+  say(byId("text").value);
+});
+window.addEventListener("hashchange", () => {
+  const key = decodeURIComponent(location.hash.slice(1));
+  if (key && key !== state.pair?.pair) choosePair(key);
+});
+
+async function begin() {
+  try {
+    takeAll(await get("/api/set"));
+    const keys = Object.keys(state.status.sources);
+    const wanted = decodeURIComponent(location.hash.slice(1));
+    const said = state.motion?.pairs.find((one) => !one.pair.split(" ").includes("sil"))?.pair;
+    const known = wanted.split(" ").length === 2 && wanted.split(" ").every((name) => state.set.classes.some((one) => one.name === name));
+    const [first] = state.set.classes;
+    await choosePair(known ? wanted : said ?? keys[0] ?? `${first.name} ${first.name}`);
+    document.body.dataset.ready = "yes";
+  } catch (error) {
+    trouble(error);
+  }
+}
+
+begin();
