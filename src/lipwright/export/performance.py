@@ -130,7 +130,7 @@ def shown_character(path: Path, clip: Clip, options: ExportOptions) -> Mesh:
     else:
         mesh = options.character
         whose = f"the blendshapes of the {mesh.name} ({', '.join(mesh.shape_names[:4])}, ...)"
-        remedy = "them"
+        remedy = "those"
     if not set(clip.names) & set(mesh.shape_names):
         raise LipwrightError(
             f"{path}: the curves have none of {whose}; "
