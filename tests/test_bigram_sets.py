@@ -197,6 +197,31 @@ def test_the_classes_of_a_new_set_hold_every_phone_once() -> None:
     assert sorted(held) == sorted(PHONES)
 
 
+DOCUMENT = Path(__file__).parents[1] / "docs" / "bigram-format.md"
+
+
+def test_the_example_of_the_documents_is_a_set_as_we_write_it(tmp_path: Path) -> None:
+    text = DOCUMENT.read_text("utf-8").split("```json\n")[1].split("```")[0]
+    assert set_to_text(load_set(write(tmp_path / "hero.json", text))) == text
+    assert load_bigrams(tmp_path / "hero.json").constraints == {("FV", "open"): 0.5}
+
+
+def test_the_error_of_the_documents_is_as_shown(tmp_path: Path) -> None:
+    page = DOCUMENT.read_text("utf-8")
+    text = page.split("```json\n")[1].split("```")[0]
+    shown = page.split("```\nhero.json")[1]
+    wrong = text.replace("[0.2, 1], [0.5, 0]", "[0.2, 1], [0.1, 0]")
+    with pytest.raises(LipwrightError) as caught:
+        load_set(write(tmp_path / "hero.json", wrong))
+    assert str(caught.value).partition("hero.json")[2] == shown.splitlines()[0]
+
+
+def test_the_class_table_of_the_documents_is_that_of_the_code() -> None:
+    for name, phones in EXPRESSIVE_CLASSES.items():
+        cell = "_" if name == "sil" else name
+        assert f"| `{cell}` | {' '.join(phones)} |" in DOCUMENT.read_text("utf-8")
+
+
 # What is wrong with a file
 
 

@@ -47,7 +47,10 @@ def edit(
     from lipwright.bigrams import edits
 
     if pair is None:
-        raise LipwrightError('name what to edit, such as: "f ah" open "0 0, 0.4 0.6, 1 0"')
+        raise LipwrightError(
+            f'name what to edit, such as "f ah" open "0 0, 0.4 0.6, 1 0", or draw it in a page: '
+            f"lipwright bigrams editor {name}"
+        )
     if remove == (points is not None) or (pose is None and not remove):
         raise LipwrightError(f"{pair}: give a pose and its control points, or --remove")
     both = edits.parse_pair(pair)
