@@ -9,79 +9,34 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import httpx
 import numpy as np
 import pytest
-import uvicorn
 
 from lipwright.bigrams.families import load_bigrams
-from lipwright.bigrams.file import SetFile, load_set, save_set
+from lipwright.bigrams.file import load_set
 from lipwright.bigrams.spline import dense
-from lipwright.bigrams.values import Bigram, Pose
+from lipwright.bigrams.values import Bigram
 from lipwright.errors import LipwrightError
 from lipwright.face.head import Head
-from lipwright.studio.api import create_app
 from lipwright.studio.desk import Desk
 from lipwright.studio.errors import ConflictError
 from lipwright.studio.guard import MAX_BODY
 from lipwright.studio.journal import journal_path, only_editor
 from lipwright.studio.line import final_curves
-from lipwright.studio.serve import listen
 from lipwright.studio.workspace import Workspace, unsaved_edits
+from studio_server import F_AH, TEXT, serving, write_faceless_set, write_set
 
-TEXT = "Fat cat."  # sil F AE T K AE T sil
-F_AH = {"FV": ((0.0, 0.0), (0.2, 1.0), (0.5, 0.0)), "open": ((0.2, 0.0), (0.6, 0.5), (1.0, 0.0))}
 NEW = {"FV": [[0.0, 0.0], [0.3, 0.9], [0.6, 0.0]]}
-
-
-def write_set(path: Path, **changes: Any) -> Path:
-    """A small set of our own format, on the poses of FaceFX."""
-    fields: dict[str, Any] = {
-        "name": "small", "language": "en", "licence": "CC0-1.0", "source": "a test",
-        "rig": "facefx",
-        "classes": {"f": ("F", "V"), "ah": ("AE", "AH"), "d": ("T", "D", "K"), "sil": ("sil",)},
-        "poses": {"open": Pose("open"), "FV": Pose("FV", 4.0, "widen"), "W": Pose("W", 1.0)},
-        "bigrams": {
-            ("f", "ah"): Bigram("f", "ah", F_AH, "fitted", 7, {"FV": 0.01}),
-            ("ah", "d"): Bigram("ah", "d", {"open": ((0.0, 0.4), (1.0, 0.0))}),
-        },
-    }  # fmt: skip
-    save_set(path, SetFile(**{**fields, **changes}))
-    return path
 
 
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
     return write_set(tmp_path / "small.json")
-
-
-@contextmanager
-def serving(workspace: Workspace, text: str = TEXT) -> Iterator[httpx.Client]:
-    """The server of a workspace on a free port, and a client for it."""
-    desk = Desk(workspace, text)
-    listening = listen("127.0.0.1", 0)
-    config = uvicorn.Config(
-        create_app(desk, "127.0.0.1"), log_level="critical", access_log=False, ws="none",
-        lifespan="off", timeout_graceful_shutdown=1,
-    )  # fmt: skip
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
-    thread.start()
-    try:
-        address = f"http://127.0.0.1:{listening.getsockname()[1]}"
-        with httpx.Client(base_url=address, timeout=30, trust_env=False) as client:
-            yield client
-    finally:
-        server.should_exit = True
-        thread.join()
-        listening.close()
-        desk.close()
 
 
 @pytest.fixture
@@ -208,11 +163,7 @@ def test_a_set_whose_rig_has_no_look_has_no_picture_and_says_why(
     tmp_path: Path, head: Head
 ) -> None:
     del head
-    rig = {"name": "box", "controls": [{"name": "open"}], "mirror": [], "source": "", "license": ""}
-    (tmp_path / "box.json").write_text(json.dumps(rig))
-    path = write_set(
-        tmp_path / "boxes.json", rig="box.json", poses={"open": Pose("open")}, bigrams={}
-    )
+    path = write_faceless_set(tmp_path / "boxes.json")
     with serving(Workspace(str(path))) as client:
         assert "does not say how its poses look" in client.get("/api/set").json()["picture"]
         assert client.post("/api/picture", json={"poses": {}}).status_code == 400

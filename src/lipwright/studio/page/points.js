@@ -21,6 +21,7 @@ export function createPointTable(actions) {
     }
     const row = curves[pose].map((point) => [...point]);
     row[index][column] = value;
+    shown = ""; // what was typed may be refused: then it is drawn again
     actions.commit({ ...curves, [pose]: row });
   }
 
