@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from lipwright.bigrams.missing import stand_in
 from lipwright.bigrams.spline import dense
 from lipwright.bigrams.values import Bigram, BigramSet, Pair
 from lipwright.errors import LipwrightError
@@ -63,9 +64,11 @@ def status_to_json(workspace: Workspace) -> dict[str, Any]:
 def pair_to_json(workspace: Workspace, pair: Pair) -> dict[str, Any]:
     """One pair with its curves; a missing one has none."""
     bigram = workspace.bigrams.bigrams.get(pair)
+    other = stand_in(workspace.bigrams, pair)[1] if bigram is None else None
     return {
         "pair": pair_key(pair),
         "missing": bigram is None,
+        "stand_in": pair_key(other) if other else "",
         "own": workspace.own(pair) is not None,
         "has_inherited": workspace.has_inherited(pair),
         **(bigram_to_json(bigram or Bigram(*pair, {}))),

@@ -17,7 +17,7 @@ from lipwright.passes.poses import bigram_passes
 from lipwright.studio.wire import pair_key
 from lipwright.track import PhoneTrack
 
-FPS: Final = 60.0
+FPS: Final = 100.0  # fine enough that what moves looks round
 MAX_TEXT: Final = 500  # characters
 MAX_SECONDS: Final = 60.0  # of a phone track
 DECIMALS: Final = 4

@@ -32,10 +32,10 @@ export function createLine(actions) {
     }
     const { fps, duration } = view.line;
     for (const [pose, values] of Object.entries(view.motion.curves)) {
-      const end = (values.length - 1) / fps;
+      const said = values.slice(0, Math.floor(duration * fps) + 1); // the last frame is after the end
       parts.push(svg("path", {
         class: pose === view.pose ? "spline chosen" : "spline", colour: poseColour(view.set.poses, pose),
-        d: evenPath(values, x(0), x(Math.max(end, duration * 0)), y),
+        d: evenPath(said, x(0), x((said.length - 1) / fps), y),
       }));
     }
     return parts;

@@ -26,7 +26,11 @@ const matrix = createMatrix({ onChoose: (key) => choosePair(key) });
 const editor = createPairEditor({ choosePose, preview, commit, lookAt });
 const poseBar = createPoseBar({ choosePose, addPose, removePose });
 const table = createPointTable({ commit });
-const facts = createFacts({ note: (text) => commit(state.pair.curves, text), revert: () => change("/api/revert", { pair: state.pair.pair }) });
+const facts = createFacts({
+  note: (text) => commit(state.pair.curves, text),
+  revert: () => change("/api/revert", { pair: state.pair.pair }),
+  beginWith,
+});
 const line = createLine({ choose: choosePair, seek });
 
 function trouble(error) {
@@ -181,6 +185,14 @@ function change(path, body, ask = post) {
 function commit(curves, note = state.pair.note) {
   state.pair = { ...state.pair, curves, missing: false };
   change("/api/pair", { pair: state.pair.pair, curves, note }, put);
+}
+
+async function beginWith(key) {
+  try {
+    commit((await get(`/api/pair?pair=${encodeURIComponent(key)}`)).curves);
+  } catch (error) {
+    trouble(error);
+  }
 }
 
 function addPose(pose, points) {

@@ -1,6 +1,6 @@
 // The points of one curve as numbers, and what is known of the pair.
 
-import { byId, html, poseColour, round } from "./drawing.js";
+import { arrow, byId, html, poseColour, round } from "./drawing.js";
 
 const ABOUT = {
   drawn: "drawn by hand",
@@ -76,11 +76,11 @@ export function createFacts(actions) {
   let shown = "";
   return {
     update({ pair, pose, status }) {
-      const now = JSON.stringify([pair.pair, pair.source, pair.note, pair.own, pair.count, pair.variance[pose], status.unsaved.includes(pair.pair)]);
+      const now = JSON.stringify([pair.pair, pair.missing, pair.source, pair.note, pair.own, pair.count, pair.variance[pose], status.unsaved.includes(pair.pair)]);
       if (now === shown || root.contains(document.activeElement)) return;
       shown = now;
       const rows = [];
-      const whose = pair.missing ? "missing; a pair that looks alike stands in"
+      const whose = pair.missing ? (pair.stand_in ? `missing; ${arrow(pair.stand_in)} stands in` : "missing; every pose rests")
         : `${ABOUT[pair.source]}${pair.own || !pair.has_inherited ? "" : ", the parent's"}`;
       rows.push(["source", whose]);
       if (pair.count) rows.push(["heard", `${pair.count} times`]);
@@ -95,6 +95,10 @@ export function createFacts(actions) {
       if (pair.own) {
         buttons.push(html("button", { type: "button", onclick: actions.revert,
           text: pair.has_inherited ? "Back to the parent's" : "Remove the pair" }));
+      }
+      if (pair.missing && pair.stand_in) {
+        buttons.push(html("button", { type: "button", onclick: () => actions.beginWith(pair.stand_in),
+          text: `Begin with the curves of ${arrow(pair.stand_in)}` }));
       }
       root.replaceChildren(list, ...buttons);
     },
