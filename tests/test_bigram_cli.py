@@ -171,6 +171,9 @@ def test_sets_of_another_format_are_imported_before_they_are_edited(
     Path("a.txt").write_bytes(DIPHONES.read_bytes())
     assert "bigrams import" in refused(["edit", "a.txt", "f ay", "open", "0 0"], capsys)
     assert Path("a.txt").read_bytes() == DIPHONES.read_bytes()
+    assert run(["bigrams", "edit", "a.txt", "f ay", "open", "0 0", "-o", "a.json"]) == 0
+    wrong = refused(["import", "a.json", "-o", "b.json"], capsys)
+    assert "is a set of ours; make a child of it" in wrong
 
 
 def _edit(number: int) -> None:

@@ -48,9 +48,10 @@ def edit_set(
             f"lipwright bigrams new NAME --parent {name_or_path} -o FILE"
         )
     with editing(path):
-        if not is_ours(path, read_set_text(path)):
+        if to is None and not is_ours(path, read_set_text(path)):
             raise LipwrightError(
-                f"{path}: is of another format; make a set of it with: lipwright bigrams import"
+                f"{path}: is of another format; write to another file with -o, or make a set of "
+                "it with: lipwright bigrams import"
             )
         family = load_family(path)
         said = change(family[-1].said, merge(family))

@@ -24,16 +24,16 @@ TOP = 21  # rows, as many as table 2 of Xu et al. 2013
 
 CHECK_EXAMPLES = """\b
 Examples:
-  lipwright bigrams check english
-    english: 483 of 483 pairs, nothing to complain of
+  lipwright bigrams check examples/diphones.txt --text "fife"
+    warning: examples/diphones.txt: no class holds silence; at the ends of speech every pose rests
 \b
-  lipwright bigrams check mine.json --text "five of them"    # only the pairs of these words
+  lipwright bigrams check english
 """
 COVERAGE_EXAMPLES = """\b
 Examples:
-  lipwright bigrams coverage english words/anna1.txt --top 2
-    rank  pair   count  percent  cumulative  source  from     stand-in
-    1     bmp ah 3
+  lipwright bigrams coverage examples/diphones.txt words/anna1.txt --no-pauses --top 2
+    rank  pair               count     percent  cumulative  source    from          stand-in
+       1  ay f                   7       41.18       41.18  imported  example
 \b
   lipwright bigrams coverage english corpus.txt --no-pauses -o pairs.csv -o pairs.png
 \b

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 EDIT_EXAMPLES = """\b
 Examples:
-  lipwright bigrams edit english "f ah" open "0 0, 0.4 0.6, 1 0" -o mine.json
-    mine.json: f ah, drawn: FV, open
+  lipwright bigrams edit examples/diphones.txt "f ay" open "0.3 0, 0.7 0.6, 1 0" -o mine.json
+    mine.json: f ay, drawn: FV, open
 \b
   lipwright bigrams edit mine.json "f ah" open --remove    # the pair leaves that pose at rest
 \b

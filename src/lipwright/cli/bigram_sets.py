@@ -29,11 +29,11 @@ Examples:
 """
 INFO_EXAMPLES = """\b
 Examples:
-  lipwright bigrams info english
-    name         english
+  lipwright bigrams info examples/diphones.txt
+    name         example
     language     en
 \b
-  lipwright bigrams info english --json
+  lipwright bigrams info english --json     # one that ships, by its name
 """
 IMPORT_EXAMPLES = """\b
 Examples:
@@ -42,8 +42,8 @@ Examples:
 """
 EXPORT_EXAMPLES = """\b
 Examples:
-  lipwright bigrams export english -o english.csv
-    english.csv: 483 pairs
+  lipwright bigrams export examples/diphones.txt -o pairs.csv
+    pairs.csv: 2 pairs
 \b
   lipwright bigrams export english -o english.py     # createDiphone and addKey, for SmartBody
 """
@@ -83,7 +83,7 @@ def new(
     controls = load_rig(rig or "facefx").names if rig or not parent else ()
     beside = None if rig is None else _beside(rig, output)
     if parent:
-        said = SetFile(name, language, licence, None, _parent_name(parent, output), beside)
+        said = SetFile(name, language, licence, None, parent_name(parent, output), beside)
         save_set(output, said)
         say(f"{output}: {name}, a child of {parent}")
         return
@@ -95,7 +95,7 @@ def new(
     )
 
 
-def _parent_name(parent: str, output: Path) -> str:
+def parent_name(parent: str, output: Path) -> str:
     """How the file `output` names a set that is there."""
     from lipwright.bigrams.families import load_bigrams, shipped_sets
 
@@ -171,10 +171,15 @@ def import_set(path: Path, output: Path, name: str | None) -> None:
     The text is read, never executed.
     """
     from lipwright.bigrams.families import is_shipped
-    from lipwright.bigrams.file import load_any, save_set
+    from lipwright.bigrams.file import is_ours, load_any, read_set_text, save_set
 
     if is_shipped(output):
         raise LipwrightError(f"{output}: ships with Lipwright and is not changed; name another")
+    if is_ours(path, read_set_text(path)):
+        raise LipwrightError(
+            f"{path}: is a set of ours; make a child of it with: "
+            f"lipwright bigrams new NAME --parent {path} -o FILE"
+        )
     found = load_any(path, name)
     for note in found.notes:
         warn(note, "auto")
