@@ -26,7 +26,7 @@ from grid import Sentence, sentences
 from lipwright.engines.dominance import TARGET_COLUMNS
 from lipwright.evaluate.lips import speech_span
 from lipwright.files import write_whole
-from lipwright.phones import PHONES
+from lipwright.phones import ARPABET, PHONES
 
 TABLE = Path(__file__).parents[1] / "src" / "lipwright" / "engines" / "dominance_targets.csv"
 
@@ -266,7 +266,7 @@ def table(opening: Fit, width: Fit, open_fit: npt.NDArray[np.float64],
     """The rows of the engine's table."""
     open_targets, wide_targets = opening.solve(open_fit)[0], width.solve(wide_fit)[0]
     rows = []
-    for phone in PHONES.values():
+    for phone in (row for row in PHONES.values() if row.symbol in ARPABET):
         rule = RULES[phone.symbol]
         for part in (1, 2) if phone.is_diphthong else (0,):
             label = f"{phone.symbol}{part}" if part else TIES.get(phone.symbol, phone.symbol)

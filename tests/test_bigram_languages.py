@@ -218,5 +218,6 @@ class TestShipped:
     @pytest.mark.parametrize("name", TONGUES)
     def test_they_are_whole(self, name: str) -> None:
         bigrams = load_bigrams(name)
-        assert set(bigrams.bigrams) == set(itertools.product(bigrams.classes, repeat=2))
+        every = set(itertools.product(bigrams.classes, repeat=2))
+        assert set(bigrams.bigrams) == every - {(SILENCE, SILENCE)}
         assert bigrams.parent == "english"

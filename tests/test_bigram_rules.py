@@ -137,7 +137,7 @@ class TestPairs:
 
     def test_halves_of_a_diphthong_come_in_order(self) -> None:
         found = curves("d", "aw")
-        assert at(found["open"], 0.65) > at(found["open"], 0.85) + 0.3
+        assert at(found["open"], 0.65) > at(found["open"], 0.85) + 0.25
         assert at(found["W"], 0.85) > at(found["W"], 0.65) + 0.3
 
 

@@ -34,13 +34,14 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("rig", "retarget"),
             ("export",),
             ("pipeline",),
-            ("cli", "live", "batch", "studio"),
+            ("live", "batch", "studio"),
+            ("cli",),
             ("__init__", "__main__"),
         ),
     )
 )
 LEVEL = {unit: level for level, units in enumerate(LEVELS) for unit in units}
-SURFACES = LEVEL["cli"]
+SURFACES = LEVEL["studio"]
 
 # Offline work beside the levels: it imports units of the levels below the surfaces, and only the
 # surfaces import it. The values are what it must not import although the levels would allow it.

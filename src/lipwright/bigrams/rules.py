@@ -38,15 +38,14 @@ CLOSURES: Final = MappingProxyType({
 POSES: Final = ("open", "W", "ShCh", "PBM", "FV", "wide", "tRoof", "tTeeth", "tBack")
 
 CLOSED: Final = 0.5  # a class whose closure is above this holds it
-HOLD: Final = (
-    0.25,
-    0.75,
-)  # of its phone; lips are shut over 30 to 50 % of p and b, 60 to 90 % of m
+HOLD: Final = MappingProxyType({"PBM": (0.35, 0.65), "FV": (0.35, 0.65)})
+"""shares of its phone between which a closure is whole; lips are shut over 30 to 50 % of p and b
+and 60 to 90 % of m"""
 MIDDLE: Final = (0.5,)  # of its phone, where a single target is met
 PARTS: Final = (0.3, 0.7)  # of its phone, where the two targets of a diphthong are met
 SPREAD: Final = 1 / 12  # of a phone, from the middle one of three equal points to the others
-LEAST: Final = 0.03  # a curve that stays below is not seen, and left out
-RAMP: Final = 1 / 3  # of the neighbour: how far a closure's ramp reaches into it
+LEAST: Final = 0.015  # a curve that stays below is not seen, and left out
+RAMP: Final = 0.1  # of the neighbour: how far a closure's ramp reaches into it
 
 
 @dataclass(frozen=True)
@@ -150,7 +149,7 @@ def _half(
     closure = parts[0].closure
     if closure and pose in (closure, *CLOSURES[closure]):
         value = values[0] if pose == closure else 0.0
-        return [point for time in HOLD for point in _three(time, value)]
+        return [point for time in HOLD[closure] for point in _three(time, value)]
     if other.closure == pose:  # its ramp, and no more
         return [(0.5, 0.0), (1 - RAMP, 0.0)] if facing else [(RAMP, 0.0), (0.5, 0.0)]
     times = PARTS if len(parts) > 1 else MIDDLE

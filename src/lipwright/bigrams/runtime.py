@@ -91,8 +91,9 @@ _kept = lru_cache(maxsize=8192)(sampled)
 def stitch(bigrams: BigramSet, track: PhoneTrack, fps: float) -> Clip:
     """The curves of all poses from 0 s to the end of a track, stitched by maximum.
 
-    At each time the greater of the curves of the two pairs that hold it stays. A peak of a pose whose peaks the speed limit keeps (a closure) is put on the nearest frame, so
-    that none falls between two.
+    At each time the greater of the curves of the two pairs that hold it stays. A peak of a pose
+    whose peaks the speed limit keeps (a closure) is put on the nearest frame, so that none falls
+    between two.
     """
     poses = tuple(bigrams.poses)
     values = np.full((len(frame_times(track.end, fps)), len(poses)), -np.inf)

@@ -6,6 +6,8 @@ import click
 
 from lipwright.cli import (
     animating,
+    bigram_fitting,
+    bigram_tools,
     bigrams,
     capturing,
     datasets,
@@ -36,6 +38,9 @@ app.add_command(training.train)
 app.add_command(training.tune)
 app.add_command(modelling.models)
 app.add_command(bigrams.bigrams)
+bigrams.bigrams.add_command(bigram_fitting.fit)
+bigrams.bigrams.add_command(bigram_tools.plot)
+bigrams.bigrams.add_command(bigram_tools.editor)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

@@ -29,11 +29,11 @@ Examples:
 """
 INFO_EXAMPLES = """\b
 Examples:
-  lipwright bigrams info examples/diphones.txt
-    name         example
+  lipwright bigrams info english
+    name         english
     language     en
 \b
-  lipwright bigrams info english --json     # one that ships, by its name
+  lipwright bigrams info mine.json --json
 """
 IMPORT_EXAMPLES = """\b
 Examples:
@@ -42,8 +42,8 @@ Examples:
 """
 EXPORT_EXAMPLES = """\b
 Examples:
-  lipwright bigrams export examples/diphones.txt -o pairs.csv
-    pairs.csv: 2 pairs
+  lipwright bigrams export english -o pairs.csv
+    pairs.csv: 483 pairs
 \b
   lipwright bigrams export english -o english.py     # createDiphone and addKey, for SmartBody
 """

@@ -53,16 +53,18 @@ SHUT: Final[Mapping[str, tuple[Mode, float]]] = MappingProxyType({
 # In the order in which they are laid on: where two meet, the later wins, as lips must close even
 # between rounded vowels (the order of priorities in Xu et al. 2013, section 2.2.2).
 REQUIREMENTS: Final[tuple[Requirement, ...]] = (
-    Requirement(("T", "D", "N", "EN", "DX", "NX"), "Ten",
+    Requirement(("T", "D", "N", "EN", "DX", "NX", "XT", "XD", "XN", "XR", "XTS", "XTC"), "Ten",
                 {"tongueRaise": ("at_least", 0.95)}),
-    Requirement(("L", "EL"), "Lid",
+    Requirement(("L", "EL", "XL"), "Lid",
                 {"tongueRaise": ("at_least", 0.9)}),
     Requirement(("K", "G", "NG", "ENG"), "Kit", {"tongueBack": ("at_least", 0.95)}),
     Requirement(("TH", "DH"), "THin",
                 {"tonguePress": ("at_least", 0.95), "tongueOut": ("at_least", 0.08),
                  "jawOpen": ("at_least", 0.04), "mouthLowerDown": ("at_least", 0.1)}),
-    Requirement(("SH", "ZH", "CH", "JH"), "SHe", {"mouthFunnel": ("at_least", 0.35)}),
-    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.45)}),
+    Requirement(("SH", "ZH", "CH", "JH", "XS", "XZ", "XCH", "XH"), "SHe",
+                {"mouthFunnel": ("at_least", 0.35)}),
+    Requirement(("UW", "UX", "UH", "XIY", "XIH", "XEY"), "tOO",
+                {"mouthPucker": ("at_least", 0.45)}),
     Requirement(("OW", "AO", "OY"), "gO",
                 {"mouthFunnel": ("at_least", 0.2), "mouthPucker": ("at_least", 0.2)}),
     Requirement(("W", "WH"), "With",
