@@ -24,16 +24,16 @@ TOP = 21  # rows, as many as table 2 of Xu et al. 2013
 
 CHECK_EXAMPLES = """\b
 Examples:
-  lipwright bigrams check examples/diphones.txt --text "fife"
-    warning: examples/diphones.txt: no class holds silence; at the ends of speech every pose rests
+  lipwright bigrams check english --text "five of them"
+    english: 9 of 9 pairs, nothing to complain of
 \b
-  lipwright bigrams check english
+  lipwright bigrams check mine.json hero.json     # all pairs that their classes can make
 """
 COVERAGE_EXAMPLES = """\b
 Examples:
-  lipwright bigrams coverage examples/diphones.txt words/anna1.txt --no-pauses --top 2
+  lipwright bigrams coverage english words/anna1.txt --top 1
     rank  pair               count     percent  cumulative  source    from          stand-in
-       1  ay f                   7       41.18       41.18  imported  example
+       1  ah bmp                 2       10.53       10.53  rule      english
 \b
   lipwright bigrams coverage english corpus.txt --no-pauses -o pairs.csv -o pairs.png
 \b
