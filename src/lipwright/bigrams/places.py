@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 from lipwright.errors import LipwrightError
@@ -107,21 +108,8 @@ def parse(name: object, text: str) -> Any:
         LipwrightError: it is not JSON, is nested too deeply, or a key stands twice; names line
             and column.
     """
-    repeated = False
-
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        nonlocal repeated
-        found = dict(pairs)
-        if len(found) == len(pairs):
-            return found
-        repeated = True
-        marked, seen = Repeated(found), set[str]()
-        for key, _ in pairs:
-            if key in seen:
-                marked.key = key
-            seen.add(key)
-        return marked
-
+    repeated: list[Repeated] = []
+    unique = partial(_unique, repeated)
     try:
         try:
             content = json.loads(text, object_pairs_hook=unique)
@@ -140,6 +128,20 @@ def parse(name: object, text: str) -> Any:
         fault = Fault(path, f"{path[-1]!r} stands twice; delete one", of_key=True)
         raise fault.in_file(name, text)
     return content
+
+
+def _unique(repeated: list[Repeated], pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """The object of these members; one whose keys repeat is added to `repeated`."""
+    found = dict(pairs)
+    if len(found) == len(pairs):
+        return found
+    marked, seen = Repeated(found), set[str]()
+    for key, _ in pairs:
+        if key in seen:
+            marked.key = key
+        seen.add(key)
+    repeated.append(marked)
+    return marked
 
 
 def _skip(text: str, offset: int) -> int:

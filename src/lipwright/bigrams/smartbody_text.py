@@ -91,17 +91,23 @@ def text_to_set(path: object, text: str, name: str | None = None) -> Imported:
         pose, point = _key(path, text, call)
         points = sets[to[0]][to[1]].setdefault(pose, [])
         points.append(point)
-        try:
-            check_points(tuple(points[-2:]))
-        except ValueError as error:
-            reason = str(error).partition(" is ")[2]  # after the number of the point
-            raise _wrong(path, text, call.offset, f"the key is {reason}") from None
+        if reason := _out_of_place(points):
+            raise _wrong(path, text, call.offset, f"the key is {reason}")
     chosen = _choose(path, list(sets), name)
     curves = {
         pair: {pose: tuple(points) for pose, points in drawn.items()}
         for pair, drawn in sets[chosen].items()
     }
     return curves_to_set(chosen, curves, notes.get(chosen, ()))
+
+
+def _out_of_place(points: list[tuple[float, float]]) -> str:
+    """What is wrong with the last of the points; empty if nothing is."""
+    try:
+        check_points(tuple(points[-2:]))
+    except ValueError as error:
+        return str(error).partition(" is ")[2]  # after the number of the point
+    return ""
 
 
 def set_to_text(bigrams: BigramSet) -> str:
