@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +22,15 @@ from lipwright.bigrams.families import load_bigrams
 from lipwright.bigrams.file import load_set
 from lipwright.bigrams.spline import dense
 from lipwright.bigrams.values import Bigram
+from lipwright.cli import run
 from lipwright.errors import LipwrightError
 from lipwright.face.head import Head
 from lipwright.studio.desk import Desk
 from lipwright.studio.errors import ConflictError
-from lipwright.studio.guard import MAX_BODY
+from lipwright.studio.guard import MAX_BODY, is_ours
 from lipwright.studio.journal import journal_path, only_editor
 from lipwright.studio.line import final_curves
+from lipwright.studio.serve import listen
 from lipwright.studio.workspace import Workspace, unsaved_edits
 from studio_server import F_AH, TEXT, serving, write_faceless_set, write_set
 
@@ -235,26 +238,64 @@ def test_every_edit_is_in_the_journal_before_it_is_answered(
     assert unsaved_edits(str(small))[1] == ()
 
 
-def test_edits_of_a_killed_editor_are_offered_taken_up_and_saved(small: Path) -> None:
-    command = [sys.executable, "-m", "lipwright", "bigrams", "editor", str(small), "--no-open"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as killed:
-        assert killed.stderr is not None
-        url = re.findall(r"http://\S+", killed.stderr.readline())[0]
+@contextmanager
+def editor(path: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
+    """The program as it is started by hand."""
+    command = [sys.executable, "-m", "lipwright", "bigrams", "editor", str(path), "--no-open"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        line = process.stderr.readline()
+        assert "Ctrl-C ends it" in line, line + process.stderr.read()
+        url = re.findall(r"http://127\.0\.0\.1:\d+/", line)[0]
         with httpx.Client(base_url=url, timeout=30, trust_env=False) as client:
-            for height in range(1, 20):
-                curves = {"FV": [[0.0, 0.0], [0.5, height / 20], [1.0, 0.0]]}
-                assert edit(client, curves).status_code == 200
+            yield process, client
+
+
+def test_edits_of_a_killed_editor_are_offered_taken_up_and_saved(small: Path) -> None:
+    with editor(small) as (killed, client):
+        for height in range(1, 20):
+            curves = {"FV": [[0.0, 0.0], [0.5, height / 20], [1.0, 0.0]]}
+            assert edit(client, curves).status_code == 200
         killed.send_signal(signal.SIGKILL)
-    workspace = Workspace(str(small))
     assert load_set(small).bigrams["f", "ah"].source == "fitted"
-    with serving(workspace) as client:
+    with editor(small) as (ended, client):
         status = client.get("/api/set").json()["status"]
         assert (status["pending"], status["stale"]) == (["f ah"], False)
         assert edit(client).status_code == 409  # first the decision
+        ended.send_signal(signal.SIGINT)  # Ctrl-C
+        assert ended.wait() == 0
+        assert ended.stderr is not None
+        kept = "1 unsaved pair is kept in small.json.unsaved for the next time"
+        assert ended.stderr.read() == f"{small}: {kept}\n"
+    with serving(Workspace(str(small))) as client:
         taken = client.post("/api/recover", json={"keep": True}).json()
         assert (taken["status"]["unsaved"], taken["status"]["pending"]) == (["f ah"], [])
         act(client, "save")
     assert load_set(small).bigrams["f", "ah"].curves["FV"][1] == (0.5, 0.95)
+    assert [path.name for path in small.parent.iterdir()] == ["small.json"]
+
+
+def test_an_address_that_cannot_be_had_is_said_in_a_line(
+    small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with listen("127.0.0.1", 0) as taken:
+        port = str(taken.getsockname()[1])
+        for address in (["--port", port], ["--host", "203.0.113.1"], ["--host", "no such host"]):
+            assert run(["bigrams", "editor", str(small), "--no-open", *address]) == 2
+            error = capsys.readouterr().err
+            assert "cannot be listened on" in error
+            assert error.count("\n") == 1
+
+
+def test_what_is_unsaved_is_said_without_a_server(
+    small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["bigrams", "editor", str(small), "--unsaved"]
+    assert run(command) == 0
+    assert capsys.readouterr().err == f"{small}: no unsaved edits\n"
+    Workspace(str(small)).edit(Bigram("f", "ah", {}), 1)
+    assert run(command) == 0
+    assert capsys.readouterr().err == f"{small}: not saved: f ah\n"
 
 
 def test_pending_edits_can_be_forgotten(small: Path) -> None:
@@ -346,6 +387,16 @@ def test_a_workspace_with_pending_edits_wants_a_decision_first(small: Path) -> N
 
 
 # ---- attempts to break in
+
+
+def test_where_it_listens_everywhere_numbers_are_its_name_and_words_are_not() -> None:
+    for host, name, ours in [
+        ("0.0.0.0", "192.168.1.7:80", True), ("0.0.0.0", "[fe80::1]:80", True),
+        ("0.0.0.0", "evil.example:80", False), ("::", "192.168.1.7:80", True),
+        ("studio.local", "studio.local:80", True), ("studio.local", "evil.example:80", False),
+        ("127.0.0.1", "192.168.1.7:80", False), ("::1", "[::1]:80", True),
+    ]:  # fmt: skip
+        assert is_ours(name, host, 80) is ours, (host, name)
 
 
 def refused(response: httpx.Response, status: int) -> str:

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 PLOT_EXAMPLES = """\b
 Examples:
-  lipwright bigrams plot "Oh no, we are late." -o late.png
-    late.png: 11 phones, 1.5 s, open PBM FV W
+  lipwright bigrams plot "Oh no, we are late." --pose open --pose W -o late.png
+    late.png: 13 phones, 1.9 s, open W
 \b
-  lipwright bigrams plot "Five papers." --pose open --pose PBM -o papers.png
+  lipwright bigrams plot "Five papers." -o papers.png
   lipwright bigrams plot --phones talk.TextGrid --bigrams anna.json -o talk.png
 """
 EDITOR_EXAMPLES = """\b
@@ -102,7 +102,7 @@ def editor(
 
     if unsaved:
         path, pairs = unsaved_edits(name, out)
-        say(f"{path}: {', '.join(pairs) or 'no'} unsaved edits")
+        say(f"{path}: not saved: {', '.join(pairs)}" if pairs else f"{path}: no unsaved edits")
         return
     try:
         import fastapi
@@ -139,4 +139,5 @@ def _edit(
         serve(desk, host, listening, begun)
         count = len(workspace.unsaved) or len(workspace.pending.edits if workspace.pending else ())
     if count:
-        say(f"{path}: {count} unsaved edits are kept in {journal_path(path).name}")
+        pairs = "pair is" if count == 1 else "pairs are"
+        say(f"{path}: {count} unsaved {pairs} kept in {journal_path(path).name} for the next time")

@@ -72,7 +72,7 @@ class Guard:
         if scope["method"] not in METHODS:
             raise _RefusedError(405, f"{scope['method'][:20]} is not answered here")
         hosts = [value.decode("latin-1") for name, value in headers if name == b"host"]
-        if len(hosts) != 1 or not _is_ours(hosts[0], self._host, scope["server"][1]):
+        if len(hosts) != 1 or not is_ours(hosts[0], self._host, scope["server"][1]):
             raise _RefusedError(421, "the address is not that of this editor; open the one it said")
         for name, value in headers:
             if name == b"origin" and value.decode("latin-1") != f"http://{hosts[0]}":
@@ -85,7 +85,7 @@ class Guard:
                 raise _RefusedError(415, "send JSON, and say so (Content-Type: application/json)")
 
 
-def _is_ours(given: str, host: str, port: int) -> bool:
+def is_ours(given: str, host: str, port: int) -> bool:
     """Whether a Host header names this server.
 
     Where it listens everywhere, any number of an address is: no name server can point to one.

@@ -98,11 +98,12 @@ def _titles(bigrams: BigramSet, poses: Sequence[str]) -> list[str]:
         for (one, other), most in bigrams.constraints.items()
         if one in poses and other in poses
     ]
+    rest = f"C = {bigrams.otherwise:g} {'otherwise' if said else 'for these poses'}"
     return [
         "The curves of each pair, over the time of both phones",
         "Stitched: the greater of two pairs",
         f"Valleys between maxima within {2 * bigrams.smoothing:g} s removed",
-        f"Constraints: {', '.join([*said, f'C = {bigrams.otherwise:g} otherwise'])}",
+        f"Constraints: {', '.join([*said, rest])}",
         f"Speed limit: {bigrams.speed_limit:g} a second",
     ]
 
@@ -171,9 +172,12 @@ def _rows(panel: Any, bigrams: BigramSet, track: PhoneTrack) -> None:
     from matplotlib.transforms import blended_transform_factory
 
     place = blended_transform_factory(panel.transData, panel.transAxes)
-    for name, row in (("s", -0.095), ("phones", -0.22), ("classes", -0.37), ("words", -0.53)):
+    for name, row, left in (
+        ("s", -0.095, -0.022), ("phones", -0.22, -0.008), ("classes", -0.37, -0.008),
+        ("words", -0.53, -0.008),
+    ):  # fmt: skip
         panel.text(
-            -0.008, row, name, transform=panel.transAxes, ha="right", va="center", fontsize=8,
+            left, row, name, transform=panel.transAxes, ha="right", va="center", fontsize=8,
             color=GREY,
         )  # fmt: skip
     for phone, start, end in track:

@@ -258,6 +258,6 @@ def unsaved_edits(name: str, out: Path | None = None) -> tuple[Path, tuple[str, 
     Raises:
         LipwrightError: the set or its journal cannot be used.
     """
-    pending = Workspace(name, out).pending
-    path = open_origin(name, out).path
-    return path, tuple(map(pair_key, pending.edits)) if pending is not None else ()
+    workspace = Workspace(name, out)
+    pending = workspace.pending
+    return workspace.path, tuple(map(pair_key, pending.edits)) if pending is not None else ()

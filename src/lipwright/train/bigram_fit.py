@@ -40,6 +40,7 @@ CLOSURE: Final = "PBM"
 SHUT: Final = 0.15  # of a recording's 95th percentile; under it lips are shut (DESIGN.md)
 BESIDE: Final = 0.04  # s around a phone in which its closure is looked for: one frame of video
 LEAST_PEAK: Final = 0.02  # of a full pose; a curve that stays lower is left out
+LATER: Final = 0.5  # normalised time of a pair before which its second phone shuts no lips
 DENSE_FPS: Final = 240.0  # of the rule's curves, before they are read at the frames of a video
 
 
@@ -159,6 +160,7 @@ def shut_pairs(
 ) -> Iterator[Bigram]:
     """The pairs with a bilabial, whose closure is when the lips of the speaker are shut."""
     found: dict[Pair, list[tuple[float, float]]] = defaultdict(list)
+    bilabial = {rules.class_of(phone) for phone in BILABIALS}
     for take in takes:
         for span in spans(rules, take.track):
             for index in (span.index, span.index + 1):
@@ -167,12 +169,12 @@ def shut_pairs(
     for pair in pairs:
         if len(found[pair]) >= options.least:
             starts, ends = np.array(found[pair]).T
+            start, end = np.quantile(starts, options.sure), np.quantile(ends, 1 - options.sure)
+            # Elsewhere the two phones share their time otherwise: the half of the other is free.
+            low = LATER if pair[0] != pair[1] and pair[1] in bilabial else 0.0
+            high = 1 - LATER if pair[0] != pair[1] and pair[0] in bilabial else 1.0
             bigram = rules.bigrams[pair]
-            points = closure_points(
-                float(np.quantile(starts, options.sure)),
-                float(np.quantile(ends, 1 - options.sure)),
-                options.ramp,
-            )
+            points = closure_points(*np.clip((start, end), low, high).tolist(), ramp=options.ramp)
             yield replace(bigram, curves={**bigram.curves, CLOSURE: points})
 
 

@@ -71,9 +71,9 @@ export function createLine(actions) {
     return view.motion.pairs.map((one) => {
       const edge = x(view.line.phones[one.index].end);
       const source = view.status.sources[one.pair];
-      const kind = view.inherited.has(one.pair) ? "inherited" : source ?? "missing";
+      const kind = `kind-${source ?? "missing"}${view.inherited.has(one.pair) ? " inherited" : ""}`;
       return svg("circle", {
-        class: `mark kind-${kind}${one.pair === view.chosen ? " chosen" : ""}`, cx: edge, cy: bottom() + ROW, r: 5,
+        class: `mark ${kind}${one.pair === view.chosen ? " chosen" : ""}`, cx: edge, cy: bottom() + ROW, r: 5,
         "data-mark": one.index, "data-pair": one.pair, tabindex: 0, role: "button",
         "aria-label": `Pair ${arrow(one.pair)}${source ? "" : ", missing"}`,
       }, svg("title", { text: arrow(one.pair) }));

@@ -2,13 +2,12 @@
 
 import { arrow, byId, html } from "./drawing.js";
 
-const KINDS = ["drawn", "fitted", "rule", "imported", "inherited", "missing"];
+const SOURCES = ["drawn", "fitted", "rule", "imported"];
 const MEANINGS = {
   drawn: "drawn by hand",
   fitted: "fitted to captures",
   rule: "made by rule",
   imported: "imported",
-  inherited: "the parent's",
   missing: "missing",
 };
 
@@ -18,10 +17,7 @@ export function createMatrix({ onChoose }) {
   let classes = [];
   let view = null;
 
-  function kindOf(key) {
-    if (view.inherited.has(key)) return "inherited";
-    return view.status.sources[key] ?? "missing";
-  }
+  const kindOf = (key) => view.status.sources[key] ?? "missing";
 
   function tell(key) {
     const source = view.status.sources[key];
@@ -82,8 +78,16 @@ export function createMatrix({ onChoose }) {
   root.addEventListener("pointerleave", () => view && tell(view.chosen));
 
   function legend(counts) {
-    byId("legend").replaceChildren(...KINDS.filter((kind) => counts[kind]).map((kind) =>
-      html("li", {}, html("i", { class: `kind-${kind}` }), `${MEANINGS[kind]} ${counts[kind]}`)));
+    const row = (marks, text) => html("li", {}, html("i", { class: marks }), text);
+    const rows = [...SOURCES, "missing"].filter((kind) => counts[kind]).map((kind) =>
+      row(`kind-${kind}`, `${MEANINGS[kind]} ${counts[kind]}`));
+    if (view.inherited.size) {
+      const [one] = view.inherited;
+      rows.push(row(`kind-${kindOf(one)} inherited`, `pale: the parent's ${view.inherited.size}`));
+    }
+    if (view.said.size) rows.push(row("dot", "said in the line"));
+    if (view.unsaved.size) rows.push(row("kind-drawn unsaved", `not saved yet ${view.unsaved.size}`));
+    byId("legend").replaceChildren(...rows);
   }
 
   return {
@@ -104,6 +108,7 @@ export function createMatrix({ onChoose }) {
         const kind = kindOf(key);
         counts[kind] = (counts[kind] ?? 0) + 1;
         const marks = [`kind-${kind}`];
+        if (view.inherited.has(key)) marks.push("inherited");
         if (view.said.has(key)) marks.push("said");
         if (view.unsaved.has(key)) marks.push("unsaved");
         if (key === chosen) marks.push("chosen");
@@ -111,7 +116,7 @@ export function createMatrix({ onChoose }) {
         if (cell.className !== label) cell.className = label;
         cell.tabIndex = key === chosen ? 0 : -1;
         cell.setAttribute("aria-selected", key === chosen);
-        cell.setAttribute("aria-label", `${arrow(key)}, ${MEANINGS[kind]}`);
+        cell.setAttribute("aria-label", `${arrow(key)}, ${MEANINGS[kind]}${view.inherited.has(key) ? ", the parent's" : ""}`);
       }
       legend(counts);
       tell(chosen);

@@ -62,9 +62,9 @@ export function createPointTable(actions) {
       }
       const held = root.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
       root.replaceChildren(
-        html("table", {},
+        html("div", { class: "scroll" }, html("table", {},
           html("thead", {}, html("tr", {}, html("th"), html("th", { scope: "col", text: "time" }), html("th", { scope: "col", text: "value" }), html("th"))),
-          html("tbody", {}, ...row.map((point, index) => rowOf(pair, pose, point, index)))),
+          html("tbody", {}, ...row.map((point, index) => rowOf(pair, pose, point, index))))),
         html("button", { type: "button", text: "Add a point", onclick: () => add(pair, pose) }));
       if (held) root.querySelector(`[aria-label="${held}"]`)?.focus();
     },
