@@ -1,14 +1,15 @@
 """How well animated lips follow the real lips of GRID speaker 1, on two heads.
 
-    python bench/lips.py                    # the 50 test sentences, dominance and OpenFaceFX
+    python bench/lips.py                    # the 50 test sentences, our engines and two peers
     python bench/lips.py --model MODEL      # the engine window with this model beside them
-    python bench/lips.py --engines window:MODEL window:OTHER
+    python bench/lips.py --engines window:MODEL bigram:SET
     python bench/lips.py --split all        # all 880 sentences; closures and failures
     python bench/lips.py --fresh            # align anew instead of using kept phones
 
 Every sentence is aligned, animated by each engine from the same phone times and the sound, posed on
 each head, and its aperture compared with the tracked lips of the video (`lipwright.evaluate.lips`
-defines the figures). Needs the extra `bench` and `lipwright head install`.
+defines the figures). The peers are OpenFaceFX, and `smartbody`: the bigram set that animators drew
+for SmartBody, played by our engine. Needs the extra `bench` and `lipwright head install`.
 """
 
 from __future__ import annotations
@@ -83,13 +84,15 @@ def read_openfacefx(data: dict[str, Any], duration: float) -> Clip:
     return Clip(tuple(names), FPS, np.stack(values, axis=1))
 
 
-ANIMATORS = {"openfacefx": lambda: openfacefx}
+SMARTBODY = Path("smartbody-bigrams") / "default.json"
 
 
-def animator(name: str) -> Animator:
-    """An engine or a peer by name; `window:MODEL` is an engine with a model."""
-    if name in ANIMATORS:
-        return ANIMATORS[name]()
+def animator(name: str, corpora: Path) -> Animator:
+    """An engine or a peer by name; `window:MODEL` and `bigram:SET` say what the engine runs."""
+    if name == "openfacefx":
+        return openfacefx
+    if name == "smartbody":
+        return ours("bigram", str(corpora / SMARTBODY))
     engine, _, model = name.partition(":")
     return ours(engine, model or None)
 
@@ -111,7 +114,11 @@ def main() -> None:
         "--split", default="test", choices=["all", "test", "validation", "train", "unseen"]
     )
     parser.add_argument("--first", type=int, help="only the first N sentences of the split")
-    parser.add_argument("--engines", nargs="+", default=["window", "dominance", "openfacefx"])
+    parser.add_argument(
+        "--engines",
+        nargs="+",
+        default=["window", "bigram", "dominance", "openfacefx", "smartbody"],
+    )
     parser.add_argument("--model", help="also the engine window with this model")
     parser.add_argument(
         "--without-sound", action="store_true", help="animate from the phones alone"
@@ -133,7 +140,7 @@ def main() -> None:
             failures.append(f"{sentence.name}: {error}")
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for engine in options.engines:
-        animate = animator(engine)
+        animate = animator(engine, options.corpora)
         scores: dict[str, list[LipScore]] = {head: [] for head in heads}
         for sentence in chosen:
             if sentence.name in tracks:

@@ -135,6 +135,18 @@ def test_undo_and_redo_go_back_and_forth_also_over_a_save(
     assert act(client, "undo").status_code == 409
 
 
+def test_curves_that_are_what_they_were_change_nothing(client: httpx.Client, small: Path) -> None:
+    same = {pose: [list(point) for point in points] for pose, points in F_AH.items()}
+    status = edit(client, same).json()["status"]
+    assert (status["unsaved"], status["undo"]) == ([], "")
+    assert not journal_path(small).exists()
+
+
+def test_a_missing_pair_names_what_stands_in_for_it(client: httpx.Client) -> None:
+    pair = client.get("/api/pair", params={"pair": "d ah"}).json()
+    assert (pair["missing"], pair["stand_in"], pair["curves"]) == (True, "f ah", {})
+
+
 def test_a_new_pair_is_added_and_a_pair_of_the_root_removed(
     client: httpx.Client, small: Path
 ) -> None:
@@ -285,6 +297,16 @@ def test_an_address_that_cannot_be_had_is_said_in_a_line(
             error = capsys.readouterr().err
             assert "cannot be listened on" in error
             assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("module", ["fastapi", "uvicorn"])
+def test_a_missing_package_is_named_with_the_command_that_brings_it(
+    module: str, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    assert run(["bigrams", "editor", str(small), "--no-open"]) == 2
+    said = f"lipwright: {module} is not installed; run: pip install 'lipwright[studio]'\n"
+    assert capsys.readouterr().err == said
 
 
 def test_what_is_unsaved_is_said_without_a_server(

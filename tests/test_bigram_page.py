@@ -169,6 +169,33 @@ def test_points_are_added_and_removed_and_every_step_undone(page: Page, small: P
     assert journal_path(small).exists()
 
 
+def test_quick_edits_lose_nothing_and_do_not_call_back_the_pair(page: Page, small: Path) -> None:
+    page.click('#poses .chip >> text="open"')
+    page.evaluate(
+        """() => {
+            document.querySelector('[aria-label="Remove FV"]').click();
+            document.querySelector('#poses select').value = 'W';
+            document.querySelector('#poses select').dispatchEvent(new Event('change'));
+            document.querySelector('[data-pair="ah d"]').click();
+        }"""
+    )
+    wait_unsaved(page, "1 unsaved pair")
+    until(page, "document.getElementById('pair-title').textContent === 'ah → d'")
+    page.keyboard.press("Control+s")
+    wait_unsaved(page, "All saved")
+    assert page.inner_text("#pair-title") == "ah → d"
+    assert set(load_set(small).bigrams["f", "ah"].curves) == {"open", "W"}
+
+
+def test_a_missing_pair_begins_with_the_curves_that_stand_in(page: Page, small: Path) -> None:
+    page.click('#matrix button[data-pair="d ah"]')
+    page.click('#facts >> text="Begin with the curves of f → ah"')
+    wait_unsaved(page, "1 unsaved pair")
+    page.click("#save")
+    wait_unsaved(page, "All saved")
+    assert load_set(small).bigrams["d", "ah"].curves == F_AH
+
+
 def test_a_point_goes_as_far_as_its_neighbours(page: Page, small: Path) -> None:
     page.click('#poses .chip >> text="FV"')
     drag(page, circle("FV", 1), right=600, up=0)

@@ -98,13 +98,17 @@ class Workspace:
         return pair in self._origin.inherited
 
     def edit(self, bigram: Bigram, revision: int) -> None:
-        """Change one pair.
+        """Change one pair; curves that are what they were change nothing.
 
         Raises:
             ConflictError: the page knew another revision, or pending edits wait for a decision.
             LipwrightError: the journal cannot be written.
         """
-        self._change(bigram.pair, bigram, revision)
+        now = self.bigrams.bigrams.get(bigram.pair)
+        if now is None or (now.curves, now.note) != (bigram.curves, bigram.note):
+            self._change(bigram.pair, bigram, revision)
+        else:
+            self._check(revision)
 
     def revert(self, pair: Pair, revision: int) -> None:
         """Drop the file's own curves of a pair: then the parent's hold, or none.

@@ -2,7 +2,7 @@
 
 import { arrow, byId, clamp, evenPath, html, poseColour, svg, whenSized } from "./drawing.js";
 
-const PACE = 120; // pixels a second at least
+const PACE = 170; // pixels a second at least
 const LEFT = 30;
 const RIGHT = 12;
 const TOP = 8;

@@ -168,14 +168,19 @@ function preview(curves, share) {
 
 // Edits go to the server one after the other, each with the revision that the one before made.
 let queue = Promise.resolve();
+let queued = 0;
 
 function change(path, body, ask = post) {
   askPreview.forget();
+  queued += 1;
   queue = queue.then(async () => {
     try {
-      take(await ask(path, { ...body, revision: state.status.revision }));
+      const answer = await ask(path, { ...body, revision: state.status.revision });
+      queued -= 1;
+      take(answer, !body.pair);
       close("error");
     } catch (error) {
+      queued -= 1;
       await refused(error);
     }
   });
@@ -183,6 +188,7 @@ function change(path, body, ask = post) {
 }
 
 function commit(curves, note = state.pair.note) {
+  editor.settle();
   state.pair = { ...state.pair, curves, missing: false };
   change("/api/pair", { pair: state.pair.pair, curves, note }, put);
 }
@@ -205,16 +211,14 @@ function removePose(pose) {
   commit(others);
 }
 
-function take({ status, pair, motion }) {
-  if (editor.isBusy() && pair) { // the hand is quicker than the answer: keep what it holds
-    Object.assign(state, { status });
-    return;
-  }
-  Object.assign(state, { status });
-  if (pair) {
+// What an edit has made; `jumps` to its pair, if another is shown meanwhile.
+function take({ status, pair, motion }, jumps = false) {
+  state.status = status;
+  if (queued || editor.isBusy()) return; // the hand is quicker than the answer: keep what it holds
+  if (pair && (jumps || pair.pair === state.pair.pair)) {
     state.pair = pair;
     state.pose = firstPose();
-    if (location.hash.slice(1) !== encodeURIComponent(pair.pair)) location.hash = encodeURIComponent(pair.pair);
+    if (jumps) location.hash = encodeURIComponent(pair.pair);
   }
   if (motion) state.motion = motion;
   show();

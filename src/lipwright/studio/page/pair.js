@@ -211,6 +211,10 @@ export function createPairEditor(actions) {
   });
   return {
     finish, // an edit by keys that waits for more of them
+    settle() { // it is part of another edit
+      clearTimeout(timer);
+      timer = 0;
+    },
     isBusy: () => drag !== null || timer !== 0,
     update(next) {
       view = next;
