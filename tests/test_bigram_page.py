@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import httpx
 import pytest
 
 from lipwright.bigrams.file import load_set
 from lipwright.face.head import Head
 from lipwright.studio.journal import journal_path
 from lipwright.studio.workspace import Workspace
-from studio_server import F_AH, serving, write_faceless_set, write_set
+from studio_server import F_AH, TEXT, serving, write_faceless_set, write_set
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -37,20 +38,35 @@ def browser() -> Iterator[Browser]:
         chromium.close()
 
 
-@pytest.fixture
-def small(tmp_path: Path) -> Path:
-    return write_faceless_set(tmp_path / "small.json")
+@pytest.fixture(scope="module")
+def opened_once(
+    tmp_path_factory: pytest.TempPathFactory, browser: Browser
+) -> Iterator[tuple[Path, Page, httpx.Client]]:
+    path = write_faceless_set(tmp_path_factory.mktemp("set") / "small.json")
+    with opened(path, browser) as (page, client):
+        yield path, page, client
 
 
 @pytest.fixture
-def page(small: Path, browser: Browser) -> Iterator[Page]:
-    with opened(small, browser) as found:
-        yield found
+def page(opened_once: tuple[Path, Page, httpx.Client]) -> Page:
+    """The page of an editor of `small`, as if it were started anew."""
+    path, page, client = opened_once
+    write_faceless_set(path)
+    assert client.post("/api/reload", json={"keep": False}).status_code == 200
+    assert client.post("/api/line", json={"text": TEXT}).status_code == 200
+    page.goto("about:blank")
+    visit(page, str(client.base_url))
+    return page
+
+
+@pytest.fixture
+def small(opened_once: tuple[Path, Page, httpx.Client]) -> Path:
+    return opened_once[0]
 
 
 @contextmanager
-def opened(path: Path, browser: Browser) -> Iterator[Page]:
-    """The page of an editor of a set, in which no script may fail."""
+def opened(path: Path, browser: Browser) -> Iterator[tuple[Page, httpx.Client]]:
+    """The page of an editor, in which no script may fail, and another way to its server."""
     with serving(Workspace(str(path))) as client:
         page = browser.new_page(viewport={"width": 1300, "height": 950})
         troubles: list[str] = []
@@ -60,7 +76,7 @@ def opened(path: Path, browser: Browser) -> Iterator[Page]:
             lambda message: troubles.append(message.text) if message.type == "error" else None,
         )
         visit(page, str(client.base_url))
-        yield page
+        yield page, client
         page.close()
     # The browser also notes each request that the server refuses.
     assert not [line for line in troubles if "Failed to load resource" not in line], troubles
@@ -122,7 +138,7 @@ def test_a_dragged_point_moves_the_curves_and_a_save_the_file(page: Page, small:
 
 def test_the_face_follows_a_dragged_point(tmp_path: Path, browser: Browser, head: Head) -> None:
     del head
-    with opened(write_set(tmp_path / "small.json"), browser) as page:
+    with opened(write_set(tmp_path / "small.json"), browser) as (page, _):
         drawn = "Number(document.getElementById('picture').dataset.drawn)"
         until(page, f"{drawn} >= 1")
         before = page.evaluate(drawn)
@@ -273,12 +289,13 @@ def test_another_line_is_said_scrubbed_and_played(page: Page) -> None:
 
 
 def test_edits_of_a_closed_tab_and_a_killed_server_are_taken_up_again(
-    browser: Browser, small: Path
+    browser: Browser, tmp_path: Path
 ) -> None:
-    with opened(small, browser) as page:
+    small = write_faceless_set(tmp_path / "small.json")
+    with opened(small, browser) as (page, _):
         page.click('#poses button[aria-label="Remove FV"]')
         wait_unsaved(page, "1 unsaved pair")
-    with opened(small, browser) as page:
+    with opened(small, browser) as (page, _):
         assert "Edits of the last time were not saved: f → ah" in page.inner_text("#bars")
         page.click('#bars >> text="Take them up again"')
         wait_unsaved(page, "1 unsaved pair")
