@@ -238,7 +238,7 @@ def draw_distribution(path: Path, coverage: Coverage) -> None:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise MissingExtraError("matplotlib", "capture") from None
+        raise MissingExtraError("matplotlib", "studio") from None
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.add_subplot()
     ranks = [row.rank for row in coverage.rows]
