@@ -81,8 +81,7 @@ def _track(text: str | None, phones: Path | None, language: str) -> PhoneTrack:
 @click.option("-o", "--output", "out", type=Path,
               help="The child set to edit, made at the first save; a set of your own is else "
               "edited itself, and of one that ships the child my-SET.json.")  # fmt: skip
-@click.option("--text", "-t", default="Oh no, we are late.", show_default=True,
-              help="The line to begin with.")  # fmt: skip
+@click.option("--text", "-t", help="The line to begin with.  [default: one of the set's language]")
 @phones_option
 @click.option("--host", default="127.0.0.1", show_default=True,
               help="Address to listen on; others than this let your network edit.")  # fmt: skip
@@ -91,7 +90,7 @@ def _track(text: str | None, phones: Path | None, language: str) -> PhoneTrack:
 @click.option("--unsaved", is_flag=True,
               help="Only say which edits a journal keeps that are not saved yet.")  # fmt: skip
 def editor(
-    name: str, out: Path | None, text: str, phones: Path | None, host: str, port: int,
+    name: str, out: Path | None, text: str | None, phones: Path | None, host: str, port: int,
     opens: bool, unsaved: bool,
 ) -> None:  # fmt: skip
     """Edit a set in the browser: draw curves, and see at once what becomes of a line.
@@ -114,8 +113,9 @@ def editor(
 
 
 def _edit(
-    name: str, out: Path | None, text: str, phones: Path | None, host: str, port: int, opens: bool
-) -> None:
+    name: str, out: Path | None, text: str | None, phones: Path | None, host: str, port: int,
+    opens: bool,
+) -> None:  # fmt: skip
     from lipwright.formats import read_track
     from lipwright.studio.desk import Desk
     from lipwright.studio.journal import journal_path, only_editor

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from threading import RLock
+from types import MappingProxyType
+from typing import Final
 
+from lipwright.errors import LipwrightError
 from lipwright.studio.line import Line, line_of_text, line_of_track
 from lipwright.studio.pictures import Pictures
 from lipwright.studio.workspace import Workspace
 from lipwright.track import PhoneTrack
+
+FIRST_LINES: Final = MappingProxyType({
+    "en": "Oh no, we are late.", "sv": "Oj, vi är sena.", "cmn": "wo3 men5 lai2 wan3 le5.",
+})  # fmt: skip
+"""language to a line to begin with"""
 
 
 class Desk:
@@ -21,9 +30,12 @@ class Desk:
     """
 
     def __init__(
-        self, workspace: Workspace, text: str = "", track: tuple[str, PhoneTrack] | None = None
+        self,
+        workspace: Workspace,
+        text: str | None = None,
+        track: tuple[str, PhoneTrack] | None = None,
     ) -> None:
-        """Lay a line on the desk: a text, or a phone track and its name.
+        """Lay a line on the desk: a phone track and its name, a text, or one that we know.
 
         Raises:
             LipwrightError: the line cannot be used.
@@ -33,8 +45,11 @@ class Desk:
         self.line: Line | None = None
         if track is not None:
             self.line = line_of_track(*track)
-        elif text:
+        elif text is not None:
             self.say(text)
+        else:
+            with suppress(LipwrightError):  # the language may want a package that is not here
+                self.say(FIRST_LINES.get(workspace.bigrams.language, ""))
 
     @property
     def lock(self) -> RLock:
