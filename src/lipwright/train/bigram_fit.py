@@ -52,13 +52,17 @@ class FitOptions:
     """control points of a curve, evenly over both phones"""
     ridge: float = 0.3
     """frames' worth of error that a control point costs when it is 1 from the rule's curve"""
+    ends: float = 1.0
+    """the same of the first and the last point, which jump where another pair takes over"""
+    bending: float = 3.0
+    """the same of a bend by 1 between three control points"""
     least: int = 3
     """times that a pair must be heard; others stay as they are by rule"""
     steps: int = 300
     """of the optimiser, at most"""
     rounding: float = 0.65
     """share of the rule's W that a fitted one keeps at least: some speakers hardly round"""
-    ramp: float = 0.05
+    ramp: float = 0.1
     """half the normalised time in which a closure is reached"""
     sure: float = 0.7
     """share of the closures that were seen which have begun when that of the curve begins, and
@@ -279,6 +283,13 @@ class Design:
             frame, column, weight = (np.concatenate(part) for part in zip(*cells_of, strict=True))
             self.layers.append(coo_matrix((weight, (frame, column)), shape=shape).tocsr())
 
+    def rests(self) -> npt.NDArray[np.bool_]:
+        """(pairs * points,), control points in a pause, where no other pair is to take over."""
+        silent = np.zeros((len(self.pairs), self.points), bool)
+        silent[:, 0] = [first == SILENCE for first, _ in self.pairs]
+        silent[:, -1] = [second == SILENCE for _, second in self.pairs]
+        return silent.ravel()
+
     def split(self, values: Floats) -> list[Floats]:
         """Values (frames,) of all recordings as those of each."""
         return np.split(values, self.ends[:-1])
@@ -333,6 +344,9 @@ def _fit_pose(
     one, other = design.layers
     ruled = design.control_points(base, pose)
     floor = options.rounding * ruled if pose == ROUNDED else np.zeros_like(ruled)
+    dear = np.full(design.points, options.ridge)
+    dear[[0, -1]] = options.ends
+    bends = np.diff(np.eye(design.points), 2, axis=0)
 
     def cost(points: Floats) -> tuple[float, Floats]:
         left, right = one @ points, other @ points
@@ -342,15 +356,21 @@ def _fit_pose(
         error = np.minimum(stitched, bound) - wanted
         pull = error * free
         slope = one.T @ (pull * first) + other.T @ (pull * ~first)
-        away = points - ruled
-        slope += options.ridge * away
-        return float(error @ error + options.ridge * (away @ away)) / 2, slope
+        away = (points - ruled).reshape(-1, design.points)
+        bent = points.reshape(-1, design.points) @ bends.T
+        slope += (dear * away + options.bending * bent @ bends).ravel()
+        price = (dear * away**2).sum() + options.bending * (bent**2).sum()
+        return float(error @ error + price) / 2, slope
 
-    limits = [(least, None) for least in floor]
+    limits = [
+        (0.0, 0.0) if rests else (least, None)
+        for rests, least in zip(design.rests(), floor, strict=True)
+    ]
     # From the means of what each control point sees; from the rules it ends in a worse optimum.
     seen = one + other
     means = (seen.T @ wanted) / np.maximum(seen.T @ np.ones(len(wanted)), 1e-3)
-    found = minimize(cost, np.maximum(means, floor), jac=True, method="L-BFGS-B", bounds=limits,
+    start = np.where(design.rests(), 0.0, np.maximum(means, floor))
+    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=limits,
                      options={"maxiter": options.steps, "maxfun": 2 * options.steps})  # fmt: skip
     stitched = np.minimum(np.maximum(one @ found.x, other @ found.x), bound)
     return PoseFit(found.x.reshape(-1, design.points), stitched, wanted)
