@@ -328,6 +328,15 @@ def test_pending_edits_can_be_forgotten(small: Path) -> None:
     assert workspace.bigrams.bigrams["f", "ah"].source == "fitted"
 
 
+def test_a_journal_of_what_is_in_the_file_already_asks_nothing(small: Path) -> None:
+    workspace = Workspace(str(small))
+    workspace.edit(Bigram("f", "ah", {}), 1)
+    journal = journal_path(small).read_bytes()
+    workspace.save(workspace.revision)
+    journal_path(small).write_bytes(journal)  # as if it were killed before the end of the save
+    assert Workspace(str(small)).pending is None
+
+
 def test_a_damaged_journal_is_named_and_kept(small: Path) -> None:
     for content in ("{", "[]", '{"format": "lipwright-bigrams-unsaved", "version": 1}'):
         journal_path(small).write_text(content)

@@ -39,8 +39,8 @@ PAGE_FILES: Final = MappingProxyType({
         "text/html; charset=utf-8": ("index.html",),
         "text/css; charset=utf-8": ("style.css",),
         "text/javascript; charset=utf-8": (
-            "main.js", "server.js", "matrix.js", "pair.js", "points.js", "line.js", "face.js",
-            "drawing.js", "bars.js",
+            "main.js", "bars.js", "drawing.js", "face.js", "header.js", "keys.js", "line.js",
+            "matrix.js", "pair.js", "play.js", "points.js", "server.js",
         ),
         "image/svg+xml": ("icon.svg",),
     }.items()

@@ -44,11 +44,11 @@ class Workspace:
         self.lock = RLock()
         self.revision = 1
         self._origin: Origin = open_origin(name, out)
+        self._bigrams = self._origin.merged
         self._edits: dict[Pair, Bigram | None] = {}
         self._undo: list[Step] = []
         self._redo: list[Step] = []
-        self.pending: Unsaved | None = read_journal(self.path, self._origin.merged)
-        self._bigrams = self._origin.merged
+        self.pending: Unsaved | None = self._left_over(read_journal(self.path, self.bigrams))
 
     @property
     def path(self) -> Path:
@@ -207,6 +207,13 @@ class Workspace:
             write_journal(self.path, self._origin.digest, self._edits)
             self.pending = None
             self.revision += 1
+
+    def _left_over(self, unsaved: Unsaved | None) -> Unsaved | None:
+        """What the file lacks of it: a kill may come before a save ends the journal."""
+        own = self._origin.content.bigrams
+        edits = unsaved.edits.items() if unsaved else ()
+        left = {pair: one for pair, one in edits if not _same(one, own.get(pair))}
+        return replace(unsaved, edits=left) if unsaved and left else None
 
     def _origin_anew(self) -> Origin:
         """A file that was removed by somebody is to be made anew, with what it said."""

@@ -3,9 +3,12 @@
 import { close, offerRecovery, offerReload, showError } from "./bars.js";
 import { byId } from "./drawing.js";
 import { createFace } from "./face.js";
+import { showHeader } from "./header.js";
+import { listenToKeys } from "./keys.js";
 import { createLine } from "./line.js";
 import { createMatrix } from "./matrix.js";
 import { createPairEditor, createPoseBar, weightsAt } from "./pair.js";
+import { createPlayer } from "./play.js";
 import { createFacts, createPointTable } from "./points.js";
 import { get, latest, post, put } from "./server.js";
 
@@ -32,6 +35,7 @@ const facts = createFacts({
   beginWith,
 });
 const line = createLine({ choose: choosePair, seek });
+const player = createPlayer({ line: () => state.line, time: () => state.time, seek });
 
 function trouble(error) {
   if (error.status === undefined) console.error(error);
@@ -42,7 +46,7 @@ function trouble(error) {
 
 function show() {
   if (!state.pair) return;
-  showBar();
+  showHeader(state);
   const chosen = state.pair.pair;
   matrix.update({ ...state, chosen });
   poseBar.update(state);
@@ -56,22 +60,6 @@ function showCurves() {
   editor.update(state);
   table.update(state);
   line.update({ ...state, chosen: state.pair.pair });
-}
-
-function showBar() {
-  const { set, status } = state;
-  byId("set-name").textContent = set.name;
-  byId("set-file").textContent = set.parent ? `${set.file}, child of ${set.parent.split("/").at(-1)}` : set.file;
-  const count = status.unsaved.length;
-  const fresh = status.exists ? "All saved" : "The file is made at the first Save";
-  byId("saved").textContent = count ? `${count} unsaved ${count === 1 ? "pair" : "pairs"}` : fresh;
-  byId("save").disabled = !count;
-  byId("undo").disabled = !status.undo;
-  byId("redo").disabled = !status.redo;
-  document.title = `${count ? "• " : ""}${set.name}: phone bigrams`;
-  const classes = state.pair.pair.split(" ").map((name) => set.classes.find((one) => one.name === name));
-  byId("pair-title").textContent = classes.map((one) => one.name).join(" → ");
-  byId("pair-words").textContent = classes.map((one) => one.examples.slice(0, 2).join(", ") || "no phones").join(" → ");
 }
 
 function showPicture() {
@@ -128,7 +116,7 @@ async function choosePair(key, span) {
 }
 
 function lookAt(share) {
-  stop();
+  player.stop();
   state.playhead = share;
   editor.update(state);
   showPicture();
@@ -158,7 +146,7 @@ const askPreview = latest(async ({ pair, curves }, isWanted) => {
 });
 
 function preview(curves, share) {
-  stop();
+  player.stop();
   state.pair = { ...state.pair, curves };
   state.playhead = share;
   editor.update(state);
@@ -276,34 +264,6 @@ async function say(text) {
   }
 }
 
-let playing = null;
-
-function stop() {
-  if (!playing) return;
-  cancelAnimationFrame(playing.request);
-  playing = null;
-  byId("play").textContent = "Play";
-}
-
-function play() {
-  if (playing) {
-    stop();
-    return;
-  }
-  if (!state.line) return;
-  let time = state.time >= state.line.duration - 0.02 ? 0 : state.time;
-  let last = performance.now();
-  const step = (now) => {
-    time += ((now - last) / 1000) * Number(byId("speed").value);
-    last = now;
-    seek(Math.min(time, state.line.duration));
-    if (time >= state.line.duration) stop();
-    else playing.request = requestAnimationFrame(step);
-  };
-  byId("play").textContent = "Pause";
-  playing = { request: requestAnimationFrame(step) };
-}
-
 // ---- beginning
 
 function takeAll(answer) {
@@ -313,35 +273,19 @@ function takeAll(answer) {
   offerRecovery(state.status, (keep) => decide("/api/recover", keep));
 }
 
-const isTyping = (target) => target.matches?.("input[type=text], input[type=number], select");
-
-document.addEventListener("keydown", (event) => {
-  const control = event.ctrlKey || event.metaKey;
-  const key = event.key.toLowerCase();
-  if (control && key === "s") {
-    event.preventDefault();
-    save();
-  } else if (control && (key === "z" || key === "y") && !event.target.matches?.("input[type=text]")) {
-    event.preventDefault();
-    step(key === "y" || event.shiftKey ? "redo" : "undo");
-  } else if (event.key === " " && !isTyping(event.target) && !event.target.matches?.("button")) {
-    event.preventDefault();
-    play();
-  }
-});
-
 function step(which) {
   editor.finish();
   if (state.status[which]) change(`/api/${which}`, {});
 }
 
+listenToKeys({ save, step, play: player.toggle });
 byId("undo").addEventListener("click", () => step("undo"));
 byId("redo").addEventListener("click", () => step("redo"));
 byId("save").addEventListener("click", save);
-byId("play").addEventListener("click", play);
+byId("play").addEventListener("click", player.toggle);
 byId("say").addEventListener("submit", (event) => {
   event.preventDefault();
-  stop();
+  player.stop();
   say(byId("text").value);
 });
 window.addEventListener("hashchange", () => {
