@@ -51,6 +51,7 @@ def fit(
     from lipwright.bigrams.places import Fault
     from lipwright.dataset.folder import open_dataset
     from lipwright.train.bigram_fit import FitOptions
+    from lipwright.train.bigram_heard import ClosureOptions
     from lipwright.train.bigram_set import Naming, fit_set
 
     if output.exists():
@@ -62,7 +63,7 @@ def fit(
     naming = Naming(called, language, licence, parent or "",
                     parent_name(parent, output) if parent else "")  # fmt: skip
     with progress_report(progress) as report:
-        options = FitOptions(points=points, least=least)
+        options = FitOptions(points=points, least=least, closures=ClosureOptions(least=least))
         made = fit_set(open_dataset(dataset), naming, options, report)
         save_set(output, made.said)
     if progress != "json":

@@ -17,7 +17,8 @@ from lipwright.errors import LipwrightError
 from lipwright.face.head import load_head
 from lipwright.phones import SILENCE
 from lipwright.rig import load_rig
-from lipwright.train.bigram_fit import FITTED, SHOWN, Fit, FitOptions, Heard, fit
+from lipwright.train.bigram_fit import FITTED, SHOWN, Fit, FitOptions, fit
+from lipwright.train.bigram_heard import Heard
 
 Report = Callable[[str, float], None]
 
