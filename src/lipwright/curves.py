@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
+
+ROUNDING: Final = 1e-9  # of a full range; more than the ramps below round in an hour
 
 
 def lowered_to_slope(values: Floats, step: float) -> Floats:
@@ -23,7 +26,9 @@ def lowered_to_slope(values: Floats, step: float) -> Floats:
     ramp = ramp.reshape(-1, *[1] * (values.ndim - 1))
     forward = np.minimum.accumulate(values - ramp) + ramp
     reverse = np.minimum.accumulate((values - ramp[::-1])[::-1])[::-1] + ramp[::-1]
-    return np.minimum(forward, reverse)
+    lowered = np.minimum(forward, reverse)
+    # What is slow enough stays as it is, to the last digit.
+    return np.where(values - lowered > ROUNDING, lowered, values)
 
 
 def widened_to_slope(values: Floats, step: float) -> Floats:

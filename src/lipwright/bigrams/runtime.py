@@ -18,6 +18,7 @@ from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 CHUNK_PAIRS = 4096  # laid at once, so that hours need little more memory than their curves
+LAYERS = 5
 
 
 @dataclass(frozen=True)
@@ -114,10 +115,10 @@ def _lay(values: Floats, laid: Sequence[Span], bigrams: BigramSet, fps: float) -
     start = np.array([span.start for span in laid])
     length = np.array([span.end for span in laid]) - start
     first = np.ceil(start * fps - 1e-6).astype(np.int64)
-    stop = np.minimum(np.ceil((start + length) * fps - 1e-6).astype(np.int64), len(values))
-    # Pairs overlap only their neighbours: two layers hold all, those of pauses are in between.
+    last = np.floor((start + length) * fps + 1e-6).astype(np.int64)
+    stop = np.minimum(last + 1, len(values))
     layer = _layers(laid)
-    for number in range(3):
+    for number in range(LAYERS):
         chosen = np.flatnonzero((layer == number) & (stop > first))
         counts = (stop - first)[chosen]
         of = np.repeat(chosen, counts)
@@ -131,8 +132,12 @@ def _lay(values: Floats, laid: Sequence[Span], bigrams: BigramSet, fps: float) -
 
 
 def _layers(laid: Sequence[Span]) -> npt.NDArray[np.int64]:
-    """(N,), 0 and 1 in turn for pairs of adjacent phones, 2 for a pause with itself."""
-    return np.array([2 if span.within_pause else span.index % 2 for span in laid])
+    """(N,), layers of pairs that share no frame.
+
+    A pair overlaps the pairs beside it and meets those after them; a pause with itself meets the
+    pairs at its ends.
+    """
+    return np.array([LAYERS - 1 if span.within_pause else span.index % 4 for span in laid])
 
 
 def _keep_peaks(
