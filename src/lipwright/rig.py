@@ -21,6 +21,7 @@ from lipwright.errors import LipwrightError
 
 RIGS: Final = ("arkit", "facefx", "smartbody")
 """names of the rigs that ship"""
+MAX_LOOK: Final = 100.0  # a weight; what is far beyond moves a face out of the picture
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Control:
 
     def __post_init__(self) -> None:
         """Check."""
-        if not self.name:
+        if not self.name or not isinstance(self.name, str):
             raise ValueError("a control has no name")
         if not self.low <= self.rest <= self.high or not 0 < self.high - self.low < math.inf:
             raise ValueError(
@@ -56,7 +57,7 @@ class Rig:
 
     Raises:
         ValueError: no controls, names that repeat, a mirror pair of an unknown control, or looks
-            of an unknown control, in other than canonical controls, or not finite.
+            of an unknown control, in other than canonical controls, or out of range.
     """
 
     name: str
@@ -75,7 +76,7 @@ class Rig:
     def __post_init__(self) -> None:
         """Check and freeze."""
         names = [control.name for control in self.controls]
-        if not self.name or not names:
+        if not self.name or not isinstance(self.name, str) or not names:
             raise ValueError("a rig has a name and at least one control")
         if len(set(names)) != len(names):
             raise ValueError(f"rig {self.name!r}: control names repeat")
@@ -86,10 +87,10 @@ class Rig:
             if control not in names:
                 raise ValueError(f"rig {self.name!r}: {control!r} has a look and is no control")
             for name, weight in look.items():
-                if not set(both_sides(name)) <= set(CANONICAL) or not math.isfinite(weight):
+                if not set(both_sides(name)) <= set(CANONICAL) or not abs(weight) <= MAX_LOOK:
                     raise ValueError(
                         f"rig {self.name!r}: the look of {control!r} has {name!r} at {weight}, "
-                        "which is no finite weight of a canonical control"
+                        f"which is no weight of a canonical control, at most {MAX_LOOK:.0f}"
                     )
         looks = {control: MappingProxyType(dict(look)) for control, look in self.looks.items()}
         object.__setattr__(self, "controls", tuple(self.controls))
@@ -150,7 +151,7 @@ def load_rig(name: str | Path) -> Rig:
     if str(name) in RIGS:
         return _shipped(str(name))
     path = Path(name)
-    if path.suffix != ".json":
+    if path.suffix != ".json" or "\0" in str(name):
         raise LipwrightError(
             f"no rig {str(name)!r}; the rigs are: {', '.join(RIGS)}, or name a .json file"
         )
