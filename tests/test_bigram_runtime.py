@@ -254,14 +254,14 @@ def reached(before: Clip, after: Clip, bigrams: BigramSet) -> npt.NDArray[np.boo
     reach = np.zeros(len(before), bool)
     for clip in (before, after):
         for old, new, column in zip(before.values.T, after.values.T, clip.values.T, strict=True):
-            level = np.concatenate([[False], np.diff(column) == 0, [False]])
+            level = np.diff(column) == 0
             for frame in np.flatnonzero(old != new):
-                first, last = frame - 1, frame + 1
-                while level[max(first, 0)]:
+                first, last = max(frame - 1, 0), min(frame + 1, len(clip) - 1)
+                while first > 0 and level[first - 1]:
                     first -= 1
-                while level[min(last, len(clip))]:
+                while last < len(level) and level[last]:
                     last += 1
-                reach[max(first, 0) : last + 1] = True
+                reach[first : last + 1] = True
     height = max(np.ptp(clip.values, axis=0).max() for clip in (before, after))
     seconds = 2 * bigrams.smoothing + height / bigrams.speed_limit
     frames = int(np.ceil(seconds * before.fps)) + 1

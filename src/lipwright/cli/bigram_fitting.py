@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 FIT_EXAMPLES = """\b
 Examples:
-  lipwright bigrams fit anna -o anna.json --licence "mine"
-    anna.json: 146 pairs fitted to 780 recordings, 337 by rule
+  lipwright bigrams fit anna -o anna.json --licence "mine" --least 1
+    anna.json: 36 pairs fitted to 2 recordings, 447 by rule
 \b
   lipwright bigrams fit anna -o anna.json --parent english    # only what anna said, over english
 """
@@ -68,11 +68,11 @@ def fit(
         save_set(output, made.said)
     if progress != "json":
         say(f"{output}: {_summary(made)}")
+        shares = ", ".join(f"{pose} {share:.2f}" for pose, share in made.fit.explained.items())
+        say(f"share of the captured motion that the curves explain: {shares}")
 
 
 def _summary(made: FittedSet) -> str:
     sources = Counter(bigram.source for bigram in made.said.bigrams.values())
-    fitted = f"{sources['fitted']} pairs fitted to {made.recordings} recordings"
-    explained = ", ".join(f"{pose} {share:.2f}" for pose, share in made.fit.explained.items())
     ruled = f", {sources['rule']} by rule" if sources["rule"] else ""
-    return f"{fitted}{ruled}; share of the motion explained: {explained}"
+    return f"{sources['fitted']} pairs fitted to {made.recordings} recordings{ruled}"
