@@ -62,10 +62,12 @@ def fit_set(
     """
     options = options or FitOptions()
     base = load_bigrams(naming.parent) if naming.parent else ruled_set(naming)
+    rig = load_rig(base.rig)
     for pose in (*FITTED, *SHOWN):
-        if pose not in base.poses:
+        if pose not in base.poses or pose not in rig.looks:
+            lacks = f"pose {pose!r}" if pose not in base.poses else f"look of {pose!r} on a face"
             raise LipwrightError(
-                f"{naming.parent}: has no pose {pose!r}; captures are fitted to the poses "
+                f"{naming.parent}: has no {lacks}; captures are fitted to the poses "
                 f"{', '.join((*FITTED, *SHOWN))} of the rig {RIG!r}"
             )
     names = dataset.names(TRAIN)
@@ -75,7 +77,7 @@ def fit_set(
             f"{dataset.path}: no recording for training shows a face; capture some, or run: "
             "lipwright dataset split"
         )
-    learnt = fit(takes, base, load_rig(base.rig), load_head(), options, report)
+    learnt = fit(takes, base, rig, load_head(), options, report)
     if not learnt.bigrams:
         raise LipwrightError(
             f"{dataset.path}: no pair of phones is heard {options.least} times in "
