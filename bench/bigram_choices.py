@@ -31,8 +31,9 @@ FITS = {
     "as shipped": FitOptions(),
     "7 control points": FitOptions(points=7),
     "11 control points": FitOptions(points=11),
-    "ends at rest": FitOptions(ends=1e6),
-    "ends as free as other points": FitOptions(ends=FitOptions().ridge),
+    "jumps free": FitOptions(jumps=0.0),
+    "jumps at a third": FitOptions(jumps=1.0),
+    "jumps at three times": FitOptions(jumps=10.0),
     "bends free": FitOptions(bending=0.0),
     "no least rounding": FitOptions(rounding=0.0),
     "full least rounding": FitOptions(rounding=1.0),
@@ -40,7 +41,7 @@ FITS = {
 }
 RUNTIMES = {
     "valleys stay": {"smoothing": 0.0},
-    "valleys of 0.05 s": {"smoothing": 0.05},
+    "valleys of 0.04 s": {"smoothing": 0.04},
     "valleys of 0.08 s": {"smoothing": 0.08},
     "0.2 s of pauses": {"silence": 0.2},
     "no constraints": {"constraints": {}},

@@ -36,6 +36,11 @@ class Span:
     within_pause: bool = False
     """it is the part of a pause that no sound reaches into"""
 
+    @property
+    def length(self) -> float:
+        """s, above 0."""
+        return self.end - self.start
+
 
 def spans(bigrams: BigramSet, track: PhoneTrack) -> list[Span]:
     """The pairs of adjacent phones, each over the time of both.

@@ -27,7 +27,7 @@ LIMITINGS: Final[tuple[Limiting, ...]] = get_args(Limiting)
 MAX_OVERSHOOT: Final = 0.1  # of the normalised time; animators' points stray a little past 0 and 1
 OTHERWISE: Final = 2.0  # C of pairs of poses that nothing is said of; Xu et al. 2013, 2.2.2
 SPEED_LIMIT: Final = 15.0  # full poses a second; Xu et al. 2013, section 2.2.3
-SMOOTHING: Final = 0.04  # s, t_w of section 2.2.1, where it is the user's
+SMOOTHING: Final = 0.05  # s, t_w of section 2.2.1, where it is the user's
 SILENCE_REACH: Final = 0.12  # s; ours: the paper says nothing of pauses
 
 

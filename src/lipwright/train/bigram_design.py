@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.bigrams.runtime import spans
+from lipwright.bigrams.runtime import Span, spans
 from lipwright.bigrams.spline import SAMPLES, dense
 from lipwright.bigrams.values import BigramSet, Pair
 from lipwright.phones import SILENCE
@@ -18,45 +20,54 @@ from lipwright.train.bigram_targets import Floats
 class Design:
     """How the control points of all pairs make the frames of all recordings.
 
-    Each frame is held by at most two pairs, one in each of two sparse tables; the curve is the
-    greater of the two.
+    Each frame is held by at most two pairs, one in each of two sparse tables, `layers` (frames,
+    pairs * points); the curve is the greater of the two. `seams` (n, pairs * points) has a row for
+    each beginning and end of a pair: how far its curve is over that of the pair beside it there,
+    which is how far the stitched curve jumps.
     """
 
     def __init__(
         self, takes: Sequence[Heard], base: BigramSet, pairs: Sequence[Pair], points: int
     ) -> None:
         """Lay all pairs over all frames."""
-        from scipy.sparse import coo_matrix
-
         self.pairs = tuple(pairs)
         self.times = np.linspace(0, 1, points)
         self.table = unit_curves(points)
         self.points = points
-        row_of = {pair: row for row, pair in enumerate(pairs)}
-        layers: tuple[list[tuple[Floats, ...]], ...] = ([], [])
+        self._row_of = {pair: row for row, pair in enumerate(pairs)}
+        layers, seams = (_Cells(), _Cells()), _Cells()
         members: dict[Pair, list[npt.NDArray[np.int64]]] = {pair: [] for pair in pairs}
-        first = 0
+        first = rows = 0
         for take in takes:
-            for span in spans(base, take.track):
+            laid = [span for span in spans(base, take.track) if span.pair in self._row_of]
+            for span in laid:
                 frames = np.flatnonzero((take.times >= span.start) & (take.times < span.end))
-                row = row_of.get(span.pair)
-                if row is None or not len(frames):
-                    continue
-                place = (take.times[frames] - span.start) / (span.end - span.start)
-                weights = self._weights(place)
-                columns = row * self.points + np.arange(self.points)
-                cells = np.broadcast_arrays(frames[:, None] + first, columns[None, :], weights)
-                layers[span.index % 2].append(tuple(cell.ravel() for cell in cells))
+                weights = self._weights((take.times[frames] - span.start) / span.length)
+                layers[span.index % 2].add(frames + first, self._columns(span), weights)
                 members[span.pair].append(frames + first)
+            for one, other in pairwise(laid):
+                if other.index == one.index + 1 and other.start < one.end:
+                    self._seam(seams, rows, other, one, other.start)
+                    self._seam(seams, rows + 1, one, other, one.end)
+                    rows += 2
             first += len(take.times)
         self.ends = np.cumsum([len(take.times) for take in takes])
-        self.members = {pair: np.concatenate([*lists, ()]).astype(np.int64)
-                        for pair, lists in members.items()}  # fmt: skip
-        shape = (first, len(pairs) * self.points)
-        self.layers = []
-        for cells_of in layers:
-            frame, column, weight = (np.concatenate(part) for part in zip(*cells_of, strict=True))
-            self.layers.append(coo_matrix((weight, (frame, column)), shape=shape).tocsr())
+        self.members = {
+            pair: np.concatenate([*lists, ()]).astype(np.int64) for pair, lists in members.items()
+        }
+        width = len(pairs) * points
+        self.layers = tuple(cells.table((first, width)) for cells in layers)
+        self.seams = seams.table((rows, width))
+
+    def _columns(self, span: Span) -> npt.NDArray[np.int64]:
+        return self._row_of[span.pair] * self.points + np.arange(self.points)
+
+    def _seam(self, seams: _Cells, row: int, span: Span, beside: Span, time: float) -> None:
+        """The row for where `span` begins or ends, at `time` s, within another pair."""
+        rows = np.array([row])
+        for which, sign in ((span, 1.0), (beside, -1.0)):
+            place = np.array([(time - which.start) / which.length])
+            seams.add(rows, self._columns(which), sign * self._weights(place))
 
     def rests(self) -> npt.NDArray[np.bool_]:
         """(pairs * points,), control points in a pause, where no other pair is to take over."""
@@ -84,6 +95,28 @@ class Design:
         low = np.minimum(even.astype(np.int64), SAMPLES - 2)
         share = (even - low)[:, None]
         return (1 - share) * self.table[low] + share * self.table[low + 1]
+
+
+class _Cells:
+    """The cells of a sparse table."""
+
+    def __init__(self) -> None:
+        self._parts: list[tuple[npt.NDArray[Any], ...]] = []
+
+    def add(
+        self, rows: npt.NDArray[np.int64], columns: npt.NDArray[np.int64], values: Floats
+    ) -> None:
+        """Add a block (rows, columns) of values."""
+        cells = np.broadcast_arrays(rows[:, None], columns[None, :], values)
+        self._parts.append(tuple(cell.ravel() for cell in cells))
+
+    def table(self, shape: tuple[int, int]) -> Any:
+        """The table, compressed by rows; cells of one place are added up."""
+        from scipy.sparse import coo_matrix
+
+        none: tuple[npt.NDArray[Any], ...] = (np.zeros(0, int), np.zeros(0, int), np.zeros(0))
+        rows, columns, values = map(np.concatenate, zip(none, *self._parts, strict=True))
+        return coo_matrix((values, (rows, columns)), shape=shape).tocsr()
 
 
 def unit_curves(points: int) -> Floats:

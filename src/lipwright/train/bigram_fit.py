@@ -46,9 +46,9 @@ class FitOptions:
     """control points of a curve, evenly over both phones"""
     ridge: float = 0.3
     """frames' worth of error that a control point costs when it is 1 from the rule's curve"""
-    ends: float = 1.0
-    """the same of the first and the last point, which jump where another pair takes over"""
-    bending: float = 3.0
+    jumps: float = 3.0
+    """the same of a jump by 1 where one pair takes over from another"""
+    bending: float = 0.5
     """the same of a bend by 1 between three control points"""
     least: int = 3
     """times that a pair must be heard; others stay as they are by rule"""
@@ -87,6 +87,8 @@ def fit(
     options = options or FitOptions()
     counts = Counter(span.pair for take in takes for span in spans(rules, take.track))
     pairs = [pair for pair in rules.bigrams if counts[pair] >= options.least]
+    if not pairs:
+        return Fit({}, {})
     base = rules
     for bigram in shut_pairs(takes, rules, pairs, options.closures):
         base = base.with_bigram(bigram)
@@ -179,8 +181,6 @@ def _fit_pose(
     one, other = design.layers
     ruled = design.control_points(base, pose)
     floor = options.rounding * ruled if pose == ROUNDED else np.zeros_like(ruled)
-    dear = np.full(design.points, options.ridge)
-    dear[[0, -1]] = options.ends
     bends = np.diff(np.eye(design.points), 2, axis=0)
 
     def cost(points: Floats) -> tuple[float, Floats]:
@@ -193,8 +193,11 @@ def _fit_pose(
         slope = one.T @ (pull * first) + other.T @ (pull * ~first)
         away = (points - ruled).reshape(-1, design.points)
         bent = points.reshape(-1, design.points) @ bends.T
-        slope += (dear * away + options.bending * bent @ bends).ravel()
-        price = (dear * away**2).sum() + options.bending * (bent**2).sum()
+        jump = np.maximum(design.seams @ points, 0.0)
+        slope += (options.ridge * away + options.bending * bent @ bends).ravel()
+        slope += options.jumps * (design.seams.T @ jump)
+        price = options.ridge * (away**2).sum() + options.bending * (bent**2).sum()
+        price += options.jumps * (jump @ jump)
         return float(error @ error + price) / 2, slope
 
     limits = [
