@@ -80,7 +80,7 @@ UNSEEN = [said_track(seed) for seed in range(100, 104)]
 
 def at_video(track: PhoneTrack) -> Floats:
     """(T,), the times of the frames of a video."""
-    return np.arange(0.5, track.end * FPS) / FPS
+    return np.asarray(np.arange(0.5, track.end * FPS) / FPS, np.float64)
 
 
 def planted_poses(track: PhoneTrack) -> Clip:

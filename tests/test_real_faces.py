@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from lipwright.face.head import Head
+from lipwright.track import PhoneTrack
 
 ROOT = Path(__file__).resolve().parents[1]
 CORPORA = ROOT.parent / "shared" / "corpora"
@@ -43,19 +44,34 @@ def monkeypatch_module() -> Iterator[pytest.MonkeyPatch]:
 
 
 @pytest.fixture(scope="module")
-def figures(bench: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Head to pooled figures of six test sentences, aligned and tracked anew."""
+def aligned(
+    bench: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
+) -> list[tuple[Any, PhoneTrack]]:
+    """Six test sentences, tracked and aligned anew."""
+    bench["grid"].CACHE = tmp_path_factory.mktemp("cache")
+    sentences = bench["grid"].sentences("test", CORPORA)[:6]
+    return [(sentence, sentence.align()) for sentence in sentences]
+
+
+def measure(
+    bench: dict[str, Any], aligned: list[tuple[Any, PhoneTrack]], *engine: str
+) -> dict[str, Any]:
+    """Head to pooled figures of the sentences."""
     from lipwright.evaluate.lips import pool
 
-    grid, lips, rulers = bench["grid"], bench["lips"], bench["rulers"]
-    grid.CACHE = tmp_path_factory.mktemp("cache")
-    animate = lips.ours("dominance")
+    lips, rulers = bench["lips"], bench["rulers"]
+    animate = lips.ours(*engine)
     scores: dict[str, list[Any]] = {name: [] for name in rulers}
-    for sentence in grid.sentences("test", CORPORA)[:6]:
-        track = sentence.align()
+    for sentence, track in aligned:
         for name, score in lips.score(sentence, track, animate(track), rulers).items():
             scores[name].append(score)
     return {name: pool(values) for name, values in scores.items()}
+
+
+@pytest.fixture(scope="module")
+def figures(bench: dict[str, Any], aligned: list[tuple[Any, PhoneTrack]]) -> dict[str, Any]:
+    """Of the engine `dominance`."""
+    return measure(bench, aligned, "dominance")
 
 
 def test_the_animated_lips_follow_the_real_ones_on_both_heads(figures: dict[str, Any]) -> None:
@@ -68,6 +84,16 @@ def test_real_closures_are_made_and_few_are_false(figures: dict[str, Any]) -> No
     for pooled in figures.values():
         assert pooled["closures"] >= 0.97
         assert pooled["false_closures_per_s"] < 0.2  # one in the six sentences at most
+
+
+def test_the_english_bigrams_follow_the_real_lips_and_shut_them_whenever_they_do(
+    bench: dict[str, Any], aligned: list[tuple[Any, PhoneTrack]]
+) -> None:
+    for pooled in measure(bench, aligned, "bigram", "english").values():
+        assert pooled["r"] > 0.7
+        assert pooled["silence"] < 0.05
+        assert pooled["closures"] == 1
+        assert pooled["false_closures_per_s"] < 0.2
 
 
 def test_the_tracker_finds_the_face_in_every_frame(bench: dict[str, Any]) -> None:
