@@ -188,6 +188,17 @@ class TestCommand:
             )
         ]
 
+    def test_pauses_that_a_set_has_no_class_for_are_named(
+        self, phones: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        small = write_set(
+            phones.with_name("small.json"), classes={"f": ("F",), "ah": ("AE",), "d": ("T",)}
+        )
+        assert animate("--phones", phones, "--bigrams", small, "-o", "a.json") == 0
+        errors = capsys.readouterr().err
+        assert "small has no pair 'sil f' (1 times); the mouth rests there" in errors
+        assert "small has no pair 'd sil' (1 times); the mouth rests there" in errors
+
     def test_a_creature_is_written_as_a_table_of_its_poses(self, phones: Path) -> None:
         box = write_faceless_set(phones.with_name("crab.json"))
         assert animate("--phones", phones, "--bigrams", box, "-o", "a.csv", "-o", "b.json") == 0

@@ -198,13 +198,15 @@ def animate(
 def _report_missing(options: AnimateOptions, track: PhoneTrack, progress: str) -> None:
     """Name the pairs that a bigram set lacks, and what was said instead."""
     from lipwright.bigrams.missing import missing
+    from lipwright.phones import SILENCE
 
     bigrams = options.bigram_set
     if bigrams is None:
         return
     for pair, count, instead in missing(bigrams, track):
         stand_in = "the mouth rests there" if instead is None else f"used {' '.join(instead)!r}"
-        warn(f"{bigrams.name} has no pair {' '.join(pair)!r} ({count} times); {stand_in}", progress)
+        said = " ".join(name or SILENCE for name in pair)  # a set may have no class for silence
+        warn(f"{bigrams.name} has no pair {said!r} ({count} times); {stand_in}", progress)
 
 
 def _check_controls(
