@@ -22,7 +22,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
         frozenset,
         (
             ("errors", "version"),
-            ("files", "npz", "phones", "controls"),
+            ("files", "lock", "npz", "phones", "controls"),
             ("wheels", "decode"),
             ("audio", "track", "clip", "curves"),
             ("formats", "language", "face"),

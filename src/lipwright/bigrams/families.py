@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, TypeVar
 
-from lipwright.bigrams.fields import PLUS, SetFile
+from lipwright.bigrams.fields import SetFile
 from lipwright.bigrams.file import load_set, read_set_text
 from lipwright.bigrams.places import Fault
 from lipwright.bigrams.values import (
     OTHERWISE,
+    PLUS,
     SILENCE_REACH,
     SMOOTHING,
     SPEED_LIMIT,
@@ -125,7 +126,7 @@ def merge(members: Sequence[Member]) -> BigramSet:
         except Fault as fault:
             raise fault.in_file(member.path, read_set_text(member.path)) from None
     try:
-        return _to_bigrams(whole, rig)
+        return to_bigrams(whole, rig)
     except ValueError as error:
         raise LipwrightError(f"{members[-1].path}: {error}; correct it") from error
 
@@ -254,7 +255,12 @@ def _unknown_pose(pose: str, poses: Mapping[str, Pose]) -> str:
     return f"unknown pose {pose[:40]!r}; known are: {', '.join(poses) or 'none'}"
 
 
-def _to_bigrams(whole: SetFile, rig: str) -> BigramSet:
+def to_bigrams(whole: SetFile, rig: str) -> BigramSet:
+    """A file that inherits nothing more as a set; what it leaves out is as usual.
+
+    Raises:
+        ValueError: it is no set.
+    """
     return BigramSet(
         name=whole.name,
         language=whole.language or "",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from typing import Any, Final
 from lipwright.bigrams.values import Bigram, BigramSet, Pair
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
+from lipwright.lock import held
 from lipwright.studio.wire import bigram_to_json, checked_bigram, pair_key, split_key
 
 FORMAT: Final = "lipwright-bigrams-unsaved"
@@ -46,23 +46,9 @@ def only_editor(path: Path) -> Iterator[None]:
     Raises:
         LipwrightError: another editor has the set open, or the folder cannot be written to.
     """
-    try:
-        import fcntl
-    except ImportError:  # a system without such locks
-        yield
-        return
     place = path.with_name(f".{path.name}.editing")
-    try:
-        file = os.fdopen(os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+")
-    except OSError as error:
-        raise LipwrightError(f"{path}: cannot be edited here: {error.strerror}") from error
-    with file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise LipwrightError(
-                f"{path}: another editor has it open; use that one, or end it"
-            ) from error
+    taken = f"{path}: another editor has it open; use that one, or end it"
+    with held(place, f"{path}: cannot be edited here", taken):
         try:
             yield
         finally:

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from lipwright.bigrams.families import load_bigrams
+from lipwright.bigrams.families import flatten, load_bigrams, to_bigrams
 from lipwright.bigrams.fields import SetFile
 from lipwright.bigrams.fresh import fresh_set
 from lipwright.bigrams.rules import rule_bigram
-from lipwright.bigrams.values import SILENCE_REACH, SMOOTHING, BigramSet, constraint_key
+from lipwright.bigrams.values import BigramSet, constraint_key
 from lipwright.dataset.folder import Dataset
 from lipwright.dataset.splits import TRAIN
 from lipwright.errors import LipwrightError
@@ -91,19 +91,13 @@ def ruled_set(naming: Naming) -> BigramSet:
     said = fresh_set(naming.name, naming.language, naming.licence, RIG, load_rig(RIG).names)
     names = list(said.classes)
     pairs = [(one, other) for one in names for other in names if {one, other} != {SILENCE}]
-    return BigramSet(
-        name=said.name,
-        language=naming.language,
-        licence=naming.licence,
+    made = replace(
+        said,
         source="by rule from articulation",
-        rig=RIG,
-        classes=said.classes,
-        poses=said.poses,
         constraints={constraint_key(*pair): most for pair, most in said.constraints.items()},
         bigrams={pair: rule_bigram(*pair) for pair in pairs},
-        smoothing=SMOOTHING,
-        silence=SILENCE_REACH,
     )
+    return to_bigrams(made, RIG)
 
 
 def _said(base: BigramSet, learnt: Fit, naming: Naming, dataset: Dataset) -> SetFile:
@@ -115,11 +109,8 @@ def _said(base: BigramSet, learnt: Fit, naming: Naming, dataset: Dataset) -> Set
             name=naming.name, language=naming.language, licence=naming.licence, source=source,
             parent=naming.parent_here or naming.parent, bigrams=learnt.bigrams,
         )  # fmt: skip
-    whole = replace(base, bigrams={**base.bigrams, **learnt.bigrams})
-    return SetFile(
-        name=naming.name, language=naming.language, licence=naming.licence, rig=RIG,
+    return replace(
+        flatten(base),
         source=f"{source}; pairs that were not heard, the tongue and closures by rule",
-        smoothing=whole.smoothing, speed_limit=whole.speed_limit, silence=whole.silence,
-        classes=whole.classes, poses=whole.poses, constraints=whole.constraints,
-        otherwise=whole.otherwise, bigrams=whole.bigrams,
-    )  # fmt: skip
+        bigrams={**base.bigrams, **learnt.bigrams},
+    )
