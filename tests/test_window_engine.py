@@ -416,7 +416,9 @@ class TestChoosing:
         assert one.curve("mouthClose").max() == 1
 
     def test_engines_that_run_no_model_refuse_one(self) -> None:
-        with pytest.raises(LipwrightError, match="--model is for the engine window, not for dom"):
+        with pytest.raises(
+            LipwrightError, match="--model is for the engines window and bigram, not for dom"
+        ):
             AnimateOptions(engine="dominance", model="anna")
 
     def test_the_controls_of_an_engine_are_known_before_the_work(self, tmp_path: Path) -> None:
@@ -491,7 +493,10 @@ class TestCommands:
         [
             (["--model", "bert"], "no model 'bert': no such folder"),
             (["--model", "hello.TextGrid"], "a model is a folder"),
-            (["--engine", "dominance", "--model", "anna"], "--model is for the engine window"),
+            (
+                ["--engine", "dominance", "--model", "anna"],
+                "--model is for the engines window and bigram",
+            ),
             (["--engine", "magic"], "no engine 'magic'; the engines are: dominance, window"),
         ],
     )
