@@ -68,7 +68,15 @@ def missing(bigrams: BigramSet, track: PhoneTrack) -> list[tuple[Pair, int, Pair
 def _search(bigrams: BigramSet, pair: Pair) -> StandIn:
     if pair in bigrams.bigrams:
         return bigrams.bigrams[pair], pair
-    classes = tuple(bigrams.classes.items())
+    for other in _candidates(tuple(bigrams.classes.items()), pair):
+        if other in bigrams.bigrams:
+            return bigrams.bigrams[other], other
+    return None, None
+
+
+@lru_cache(maxsize=1024)
+def _candidates(classes: tuple[tuple[str, tuple[str, ...]], ...], pair: Pair) -> tuple[Pair, ...]:
+    """The pairs that may stand in for one, the most alike first."""
     first, second = (_alike(classes, one) for one in pair)
     one_side = [(distance, (other, pair[1])) for other, distance in first.items()]
     one_side += [(distance, (pair[0], other)) for other, distance in second.items()]
@@ -77,12 +85,7 @@ def _search(bigrams: BigramSet, pair: Pair) -> StandIn:
         for one, near in first.items()
         for other, nearer in second.items()
     ]
-    for candidates in (one_side, both):
-        there = [row for row in candidates if row[1] in bigrams.bigrams]
-        if there:
-            best = min(there)[1]
-            return bigrams.bigrams[best], best
-    return None, None
+    return tuple(other for _, other in (*sorted(one_side), *sorted(both)))
 
 
 @lru_cache(maxsize=4096)

@@ -39,10 +39,11 @@ def without_valleys(curve: Floats, window: float) -> Floats:
         tops = maxima(filled)
         near = np.flatnonzero(np.diff(tops) <= window + LEVEL)
         joined = False
-        for one, other in zip(tops[near], tops[near + 1], strict=True):
-            between = filled[one : other + 1]
-            if between.min() < min(between[0], between[-1]) - LEVEL:
-                filled[one : other + 1] = np.linspace(between[0], between[-1], len(between))
+        for one, other in zip(tops[near].tolist(), tops[near + 1].tolist(), strict=True):
+            start, end = filled[one], filled[other]
+            between = filled[one + 1 : other]
+            if len(between) and between.min() < min(start, end) - LEVEL:
+                between[:] = start + (end - start) * np.arange(1, other - one) / (other - one)
                 joined = True
         if not joined:
             return filled
