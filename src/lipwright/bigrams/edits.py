@@ -32,7 +32,7 @@ def edit_set(
     Args:
         name_or_path: the set.
         change: what the file says, and the set with all that it inherits, to what it shall say.
-        to: another file to write to instead.
+        to: another file to write to instead, which is not there yet.
 
     Returns:
         The changed set.
@@ -42,6 +42,12 @@ def edit_set(
     """
     path = find_set(name_or_path)
     target = path if to is None else Path(to)
+    if target.is_file():  # its own edits are not to be lost
+        if not target.samefile(path):
+            raise LipwrightError(
+                f"{target}: is there already; edit that set, or name another file with -o"
+            )
+        to = None
     if is_shipped(target):
         raise LipwrightError(
             f"{name_or_path}: ships with Lipwright and is not changed; make a child of it with: "

@@ -22,6 +22,7 @@ from lipwright.bigrams.jsonvalues import (
 from lipwright.bigrams.places import Fault
 from lipwright.bigrams.values import (
     LIMITINGS,
+    PLUS,
     SOURCES,
     Bigram,
     Pair,
@@ -32,7 +33,6 @@ from lipwright.phones import PHONES
 FORMAT: Final = "lipwright-bigrams"
 VERSION: Final = 1  # raise when the layout changes
 OTHERWISE_KEY: Final = "otherwise"
-PLUS: Final = " + "
 
 SET_KEYS: Final = (
     "format", "version", "name", "language", "licence", "source", "parent", "rig", "smoothing_s",
@@ -113,7 +113,7 @@ def _check_format(fields: Mapping[str, Any]) -> None:
     if version > VERSION:
         raise Fault(
             ("version",),
-            f"is of version {version:g}, and this Lipwright reads up to {VERSION}; update it",
+            f"is of version {shown(version)}, and this Lipwright reads up to {VERSION}; update it",
         )
 
 
@@ -165,8 +165,6 @@ def _pose(name: str, value: object) -> Pose:
     path: Path = ("poses", name)
     fields = object_at(value, path)
     check_keys(fields, POSE_KEYS, path)
-    if not name.isprintable() or PLUS in name:
-        raise Fault(path, f"{name!r} is no name of a pose; use letters that print", of_key=True)
     priority = number_at(fields.get("priority", 0), (*path, "priority"))
     limit = fields.get("limit", LIMITINGS[0])
     if limit not in LIMITINGS:

@@ -10,9 +10,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from lipwright.bigrams.fields import FORMAT, OTHERWISE_KEY, PLUS, VERSION, SetFile, read_fields
+from lipwright.bigrams.fields import FORMAT, OTHERWISE_KEY, VERSION, SetFile, read_fields
 from lipwright.bigrams.places import Fault, parse
-from lipwright.bigrams.values import Bigram, Pair, Points, Pose
+from lipwright.bigrams.values import PLUS, Bigram, Pair, Points, Pose
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.formats.source import decode_text, read_bytes
@@ -117,7 +117,7 @@ def set_to_text(said: SetFile) -> str:
         ("silence_s", said.silence),
     ):
         if number is not None:
-            lines.append(f'"{key}": {_number(number)}')
+            lines.append(f'"{key}": {_setting(number)}')
     constraints = {PLUS.join(pair): most for pair, most in said.constraints.items()}
     if said.otherwise is not None:
         constraints[OTHERWISE_KEY] = said.otherwise
@@ -176,6 +176,11 @@ def _number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
+def _setting(value: float) -> str:
+    """As `_number`, but what is not 0 stays so: no speed is 0."""
+    return _number(value) if abs(value) >= 10**-DECIMALS or not value else f"{value:.{DECIMALS}g}"
+
+
 def _dump(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
@@ -190,6 +195,8 @@ def editing(path: PathLike) -> Iterator[None]:
     Raises:
         LipwrightError: the file cannot be opened, or another program holds it too long.
     """
+    if Path(path).exists() and not Path(path).is_file():
+        raise LipwrightError(f"{path}: is no file that can be edited; name one")
     try:
         import fcntl
     except ImportError:  # a system without such locks

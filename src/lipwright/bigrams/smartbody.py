@@ -17,7 +17,7 @@ from lipwright.bigrams.fields import SetFile
 from lipwright.bigrams.fresh import COMMON_CLASSES, FACEFX_CONSTRAINTS, FACEFX_POSES
 from lipwright.bigrams.jsonvalues import check_keys, named, object_at, word_at
 from lipwright.bigrams.places import Fault, Step
-from lipwright.bigrams.values import OTHERWISE, Bigram, Pair, Points, Pose
+from lipwright.bigrams.values import OTHERWISE, Bigram, Pair, Points, Pose, check_pose_name
 from lipwright.phones import PHONES, SILENCE, is_silence_label
 
 Classes = Mapping[str, tuple[str, ...]]
@@ -97,9 +97,18 @@ def json_to_set(content: Mapping[str, Any]) -> Imported:
         if (first, second) in curves:
             notes.append(repeated_note((first, second)))
         rows = object_at(fields["curves"], (*path, "curves"))
-        drawn = {pose: read_curve(row, (*path, "curves", pose)) for pose, row in rows.items()}
-        curves[first, second] = drawn
+        curves[first, second] = {
+            pose: _curve(pose, row, (*path, "curves", pose)) for pose, row in rows.items()
+        }
     return curves_to_set(name, curves, notes)
+
+
+def _curve(pose: str, row: object, path: tuple[Step, ...]) -> Points:
+    try:
+        check_pose_name(pose)
+    except ValueError as error:
+        raise Fault(path, str(error), of_key=True) from None
+    return read_curve(row, path)
 
 
 def class_name(value: object, path: tuple[Step, ...]) -> str:

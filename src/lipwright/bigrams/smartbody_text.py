@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from lipwright.bigrams.places import Fault, line_and_column
 from lipwright.bigrams.smartbody import SILENT, Imported, class_name, curves_to_set, repeated_note
-from lipwright.bigrams.values import BigramSet, Pair, check_points
+from lipwright.bigrams.values import BigramSet, Pair, check_points, check_pose_name
 from lipwright.errors import LipwrightError
 from lipwright.phones import SILENCE
 
@@ -24,6 +24,8 @@ CREATE: Final = "createDiphone"
 ADD: Final = "addKey"
 UNNAMED: Final = "default"
 """the set of a pair that names none"""
+
+LISTED: Final = 20  # sets, in an error
 
 _CALL: Final = re.compile(rf"\b(?:{CREATE}|{ADD})\s*\(")
 _TOKEN: Final = re.compile(
@@ -138,7 +140,8 @@ def _choose(path: object, names: list[str], name: str | None) -> str:
     if name in names:
         assert name is not None
         return name
-    listed = ", ".join(names) or "none"
+    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    listed = (", ".join(names[:LISTED]) or "none") + more
     wrong = f"no set {name!r}" if name is not None else "several sets"
     raise LipwrightError(f"{path}: {wrong}; choose one of these with --name: {listed}")
 
@@ -157,6 +160,10 @@ def _created(path: object, text: str, call: _Call) -> tuple[str, Pair]:
 def _key(path: object, text: str, call: _Call) -> tuple[str, tuple[float, float]]:
     match call.arguments:
         case (str(pose), float(time), float(value)):
+            try:
+                check_pose_name(pose)
+            except ValueError as error:
+                raise _wrong(path, text, call.offset, str(error)) from None
             return pose, (time, value)
     raise _wrong(path, text, call.offset, f'{ADD} takes "pose", time and value')
 

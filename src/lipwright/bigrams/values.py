@@ -25,6 +25,9 @@ Limiting = Literal["lower", "widen"]
 SOURCES: Final[tuple[Source, ...]] = get_args(Source)
 LIMITINGS: Final[tuple[Limiting, ...]] = get_args(Limiting)
 MAX_OVERSHOOT: Final = 0.1  # of the normalised time; animators' points stray a little past 0 and 1
+MAX_VALUE: Final = 10.0  # full poses, of a control point; more is a slip of the pen
+PLUS: Final = " + "
+"""stands between the two poses of a constraint, and in no name of a pose"""
 OTHERWISE: Final = 2.0  # C of pairs of poses that nothing is said of; Xu et al. 2013, 2.2.2
 SPEED_LIMIT: Final = 15.0  # full poses a second; Xu et al. 2013, section 2.2.3
 SMOOTHING: Final = 0.05  # s, t_w of section 2.2.1, where it is the user's
@@ -36,7 +39,7 @@ def check_points(points: Points) -> None:
 
     Raises:
         ValueError: no points, a number that is not finite, a time out of 0 to 1 (by more than
-            MAX_OVERSHOOT), or before that of the last point.
+            MAX_OVERSHOOT), or before that of the last point, a value beyond MAX_VALUE.
     """
     if not points:
         raise ValueError("a curve has no control points")
@@ -46,12 +49,29 @@ def check_points(points: Points) -> None:
             raise ValueError(f"control point {number} is ({time}, {value}), not finite")
         if not -MAX_OVERSHOOT <= time <= 1 + MAX_OVERSHOOT:
             raise ValueError(f"control point {number} is at {time:g}, not within 0 to 1")
+        if abs(value) > MAX_VALUE:
+            raise ValueError(
+                f"control point {number} is at the value {value:g}, not within -{MAX_VALUE:g} to "
+                f"{MAX_VALUE:g}"
+            )
         if time < last:
             raise ValueError(
                 f"control point {number} is at {time:g}, before the last one at {last:g}; "
                 "put them in order of time"
             )
         last = time
+
+
+def check_pose_name(name: str) -> None:
+    """Refuse what no file of a set could hold as the name of a pose.
+
+    Raises:
+        ValueError: it is empty, has spaces around it, letters that do not print, or a " + ".
+    """
+    if not name or name.strip() != name:
+        raise ValueError(f"the pose {name[:40]!r} has no name, or spaces around it")
+    if not name.isprintable() or PLUS in name:
+        raise ValueError(f"{name[:40]!r} is no name of a pose; use letters that print, no {PLUS!r}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +126,8 @@ class Pose:
     """A static pose of the face, moved by one curve.
 
     Raises:
-        ValueError: no name, a priority that is not finite, or an unknown way of limiting.
+        ValueError: a name that `check_pose_name` refuses, a priority that is not finite, or an
+            unknown way of limiting.
     """
 
     name: str
@@ -118,8 +139,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         """Check."""
-        if not self.name or self.name.strip() != self.name:
-            raise ValueError(f"the pose {self.name!r} has no name, or spaces around it")
+        check_pose_name(self.name)
         if not math.isfinite(self.priority):
             raise ValueError(f"the priority of {self.name!r} is {self.priority}, not finite")
         if self.limit not in LIMITINGS:

@@ -69,7 +69,10 @@ def _check(name: str, words: str | None, source: str) -> None:
     from lipwright.rig import load_rig
 
     bigrams = load_bigrams(name)
-    rig = load_rig(bigrams.rig)
+    try:
+        rig = load_rig(bigrams.rig)
+    except LipwrightError as error:
+        raise LipwrightError(f"{name}: {error}") from error
     if unknown := [pose for pose in bigrams.poses if pose not in rig.names]:
         raise LipwrightError(
             f"{name}: the rig {bigrams.rig} lacks the poses {', '.join(unknown)}; "

@@ -175,6 +175,7 @@ def import_set(path: Path, output: Path, name: str | None) -> None:
 
     if is_shipped(output):
         raise LipwrightError(f"{output}: ships with Lipwright and is not changed; name another")
+    _not_itself(output, path)
     if is_ours(path, read_set_text(path)):
         raise LipwrightError(
             f"{path}: is a set of ours; make a child of it with: "
@@ -190,6 +191,12 @@ def import_set(path: Path, output: Path, name: str | None) -> None:
     say(f"{output}: {found.said.name}, {len(found.said.bigrams)} pairs of {classes} classes")
 
 
+def _not_itself(output: Path, path: Path) -> None:
+    """Refuse to write over what is read: the original would be lost."""
+    if output.exists() and path.exists() and output.samefile(path):
+        raise LipwrightError(f"{output}: would be written over what is read; name another file")
+
+
 @click.command(epilog=EXPORT_EXAMPLES)
 @set_argument
 @click.option("-o", "--output", required=True, type=Path, metavar="FILE",
@@ -197,10 +204,11 @@ def import_set(path: Path, output: Path, name: str | None) -> None:
 def export(name: str, output: Path) -> None:
     """Write a set, with all that it inherits, for other programs."""
     from lipwright.bigrams.exporting import export_set
-    from lipwright.bigrams.families import is_shipped, load_bigrams
+    from lipwright.bigrams.families import find_set, is_shipped, load_bigrams
 
     if is_shipped(output):
         raise LipwrightError(f"{output}: ships with Lipwright and is not changed; name another")
+    _not_itself(output, find_set(name))
     bigrams = load_bigrams(name)
     export_set(output, bigrams)
     say(f"{output}: {len(bigrams.bigrams)} pairs")

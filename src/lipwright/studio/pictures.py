@@ -9,14 +9,13 @@ from typing import Final, cast, get_args
 
 import numpy as np
 
-from lipwright.bigrams.values import BigramSet
+from lipwright.bigrams.values import MAX_VALUE, BigramSet
 from lipwright.errors import LipwrightError
 from lipwright.face.head import load_head
 from lipwright.face.png import encode_png
 from lipwright.face.render import Renderer
 from lipwright.face.shading import View
 from lipwright.rig import load_rig
-from lipwright.studio.wire import MAX_VALUE
 
 SIZE: Final = 360  # pixels
 VIEWS: Final = get_args(View)

@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from lipwright.bigrams.file import DECIMALS
-from lipwright.bigrams.values import Bigram, BigramSet, Pair, Source
+from lipwright.bigrams.values import MAX_VALUE, Bigram, BigramSet, Pair, Source
 from lipwright.errors import LipwrightError
 
 MAX_POINTS: Final = 200  # of one curve; a hand draws some ten
-MAX_VALUE: Final = 10.0  # full poses; more is a slip of the pen
 MAX_NOTE: Final = 500  # characters
 
 Curves = Mapping[str, Sequence[Sequence[float]]]
