@@ -220,6 +220,15 @@ def test_frames_without_a_face_are_left_out(workplace: Path) -> None:
     assert np.isfinite(part.arkit).all()
 
 
+def test_weights_without_lips_that_were_measured_say_nothing_of_closures(workplace: Path) -> None:
+    recording = open_dataset(workplace / "anna").recording("anna1")
+    seen = recording.motion
+    take = Heard.of(replace(recording, motion=Motion(seen.fps, seen.flags, seen.arkit)))
+    assert take is not None
+    assert not take.shut.any()
+    assert not list(shut_pairs([take], RULES, list(RULES.bigrams), ClosureOptions(least=1)))
+
+
 def lose(dataset: Path, frames: slice) -> None:
     """Take the face out of some frames of all recordings."""
     opened = open_dataset(dataset)
