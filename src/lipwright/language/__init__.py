@@ -46,5 +46,7 @@ def get_language(code: str) -> Language:
         LipwrightError: there is none.
     """
     if code not in LANGUAGES:
-        raise LipwrightError(f"unknown language {code!r}; use one of: {', '.join(LANGUAGES)}")
+        raise LipwrightError(
+            f"unknown language {code!r}; use one of: {', '.join(LANGUAGES)}, or give phones"
+        )
     return LANGUAGES[code]()

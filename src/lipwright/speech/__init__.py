@@ -55,7 +55,8 @@ def align(
         raise LipwrightError(f"aligner {aligner!r} is not installed; run: pip install lipwright")
     if language not in backend.languages():
         raise LipwrightError(
-            f"aligner {aligner!r} knows no {language!r}; it knows: {', '.join(backend.languages())}"
+            f"aligner {aligner!r} knows no {language!r}; it knows: {', '.join(backend.languages())}; "
+            "give the phones and their times with --phones"
         )
     if not words:
         raise LipwrightError("the text has no words; give the words that are spoken")

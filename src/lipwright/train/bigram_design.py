@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.bigrams.missing import stand_in
 from lipwright.bigrams.runtime import Span, spans
 from lipwright.bigrams.spline import SAMPLES, dense
 from lipwright.bigrams.values import BigramSet, Pair
@@ -36,16 +37,22 @@ class Design:
         self.points = points
         self._row_of = {pair: row for row, pair in enumerate(pairs)}
         layers, seams = (_Cells(), _Cells()), _Cells()
+        self._others: list[tuple[Pair, npt.NDArray[np.int64], Floats]] = []
         members: dict[Pair, list[npt.NDArray[np.int64]]] = {pair: [] for pair in pairs}
         first = rows = 0
         for take in takes:
-            laid = [span for span in spans(base, take.track) if span.pair in self._row_of]
+            laid = spans(base, take.track)
             for span in laid:
                 frames = np.flatnonzero((take.times >= span.start) & (take.times < span.end))
-                weights = self._weights((take.times[frames] - span.start) / span.length)
-                layers[span.index % 2].add(frames + first, self._columns(span), weights)
+                place = (take.times[frames] - span.start) / span.length
+                if span.pair not in self._row_of:
+                    self._others.append((span.pair, frames + first, place))
+                    continue
+                layers[span.index % 2].add(
+                    frames + first, self._columns(span), self._weights(place)
+                )
                 members[span.pair].append(frames + first)
-            for one, other in pairwise(laid):
+            for one, other in pairwise(span for span in laid if span.pair in self._row_of):
                 if other.index == one.index + 1 and other.start < one.end:
                     self._seam(seams, rows, other, one, other.start)
                     self._seam(seams, rows + 1, one, other, one.end)
@@ -58,6 +65,17 @@ class Design:
         width = len(pairs) * points
         self.layers = tuple(cells.table((first, width)) for cells in layers)
         self.seams = seams.table((rows, width))
+
+    def others(self, base: BigramSet, pose: str) -> Floats:
+        """(frames,), the stitched curve of the pairs that are not fitted; 0 where all are."""
+        even = np.linspace(0, 1, SAMPLES)
+        stitched = np.zeros(self.ends[-1])
+        for pair, frames, place in self._others:
+            bigram, _ = stand_in(base, pair)
+            if bigram is not None and pose in bigram.curves:
+                curve = np.interp(place, even, dense(bigram.curves[pose]))
+                stitched[frames] = np.maximum(stitched[frames], curve)
+        return stitched
 
     def _columns(self, span: Span) -> npt.NDArray[np.int64]:
         return self._row_of[span.pair] * self.points + np.arange(self.points)

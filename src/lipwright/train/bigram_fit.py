@@ -180,16 +180,17 @@ def _fit_pose(
 
     one, other = design.layers
     ruled = design.control_points(base, pose)
+    beside = design.others(base, pose)
     floor = options.rounding * ruled if pose == ROUNDED else np.zeros_like(ruled)
     bends = np.diff(np.eye(design.points), 2, axis=0)
 
     def cost(points: Floats) -> tuple[float, Floats]:
         left, right = one @ points, other @ points
         first = left >= right
-        stitched = np.where(first, left, right)
-        free = stitched < bound
-        error = np.minimum(stitched, bound) - wanted
-        pull = error * free
+        greater = np.where(first, left, right)
+        stitched = np.minimum(np.maximum(greater, beside), bound)
+        error = stitched - wanted
+        pull = error * ((greater < bound) & (greater >= beside))
         slope = one.T @ (pull * first) + other.T @ (pull * ~first)
         away = (points - ruled).reshape(-1, design.points)
         bent = points.reshape(-1, design.points) @ bends.T
@@ -210,7 +211,7 @@ def _fit_pose(
     start = np.where(design.rests(), 0.0, np.maximum(means, floor))
     found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=limits,
                      options={"maxiter": options.steps, "maxfun": 2 * options.steps})  # fmt: skip
-    stitched = np.minimum(np.maximum(one @ found.x, other @ found.x), bound)
+    stitched = np.minimum(np.maximum.reduce([one @ found.x, other @ found.x, beside]), bound)
     return PoseFit(found.x.reshape(-1, design.points), stitched, wanted)
 
 
