@@ -118,6 +118,15 @@ class TestMotion:
         still = animate_track(TRACK, AnimateOptions(bigrams="english", intensity=0))
         assert not still.curve("jawOpen").any()
 
+    @pytest.mark.parametrize("amount", [0.3, 2.0])
+    def test_lips_shut_at_any_intensity(self, amount: float, head: Head) -> None:
+        clip = animate_track(TRACK, AnimateOptions(bigrams="english", intensity=amount))
+        apertures = head.aperture_curve(clip.values)
+        for phone, start, end in TRACK:
+            if phone in BILABIALS:
+                said = (clip.times >= start - 0.01) & (clip.times <= end + 0.01)
+                assert apertures[said].min() < 0.15 * np.percentile(apertures, 95)
+
     def test_passes_of_the_callers_take_the_place_of_the_sets(self) -> None:
         bare = animate_track(TRACK, AnimateOptions(bigrams="english", passes=()))
         whole = animate_track(TRACK, AnimateOptions(bigrams="english"))

@@ -54,8 +54,9 @@ def align(
     if not backend.is_available():
         raise LipwrightError(f"aligner {aligner!r} is not installed; run: pip install lipwright")
     if language not in backend.languages():
+        known = ", ".join(backend.languages())
         raise LipwrightError(
-            f"aligner {aligner!r} knows no {language!r}; it knows: {', '.join(backend.languages())}; "
+            f"aligner {aligner!r} knows no {language!r}; it knows: {known}; "
             "give the phones and their times with --phones"
         )
     if not words:
