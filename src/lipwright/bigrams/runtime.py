@@ -76,7 +76,7 @@ class Sampled:
     peaks: Floats
     """(K,), greatest values"""
     peak_times: Floats
-    """(K,), normalised times of the middles of those"""
+    """(K,), normalised times of those; of a level peak, the middle"""
 
 
 def sampled(bigram: Bigram | None, poses: tuple[str, ...]) -> Sampled:
@@ -85,10 +85,9 @@ def sampled(bigram: Bigram | None, poses: tuple[str, ...]) -> Sampled:
     for pose, points in (bigram.curves if bigram else {}).items():
         values[:, poses.index(pose)] = dense(points)
     peaks = values.max(axis=0)
-    times = np.linspace(0, 1, SAMPLES)
-    at_peak = values >= peaks - 1e-6
-    peak_times = (at_peak * times[:, None]).sum(axis=0) / at_peak.sum(axis=0)
-    return Sampled(values, peaks, peak_times)
+    at_peak = [np.flatnonzero(column) for column in (values >= peaks - 1e-6).T]
+    middle = [places[len(places) // 2] for places in at_peak]
+    return Sampled(values, peaks, np.array(middle) / (SAMPLES - 1))
 
 
 _kept = lru_cache(maxsize=8192)(sampled)

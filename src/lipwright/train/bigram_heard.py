@@ -98,8 +98,10 @@ def closure_points(start: float, end: float, ramp: float) -> Points:
     half = max(end - start, 2.5 * ramp) / 2
     start, end = middle - half, middle + half
     inner = (start + ramp, middle - ramp / 4, middle + ramp / 4, end - ramp)
-    times = [(start - ramp, 0.0), *((time, 1.0) for time in inner), (end + ramp, 0.0)]
-    points = [(0.0, 0.0), *times, (1.0, 0.0)]
+    # Two points at rest before the ramp and after it, or the spline would leave rest far away.
+    before, after = (start - 2 * ramp, start - ramp), (end + ramp, end + 2 * ramp)
+    rest = [(0.0, 0.0), *((time, 0.0) for time in before)]
+    points = [*rest, *((time, 1.0) for time in inner), *((time, 0.0) for time in after), (1.0, 0.0)]
     return tuple((round(min(max(time, 0.0), 1.0), 4), value) for time, value in points)
 
 

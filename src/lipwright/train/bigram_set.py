@@ -106,8 +106,8 @@ def _said(base: BigramSet, learnt: Fit, naming: Naming, dataset: Dataset) -> Set
     source = f"fitted to the dataset {captured!r}" + (f", {terms}" if terms else "")
     if naming.parent:
         return SetFile(
-            name=naming.name, language=naming.language, licence=naming.licence, source=source,
-            parent=naming.parent_here or naming.parent, bigrams=learnt.bigrams,
+            name=naming.name, language=naming.language, licence=naming.licence or None,
+            source=source, parent=naming.parent_here or naming.parent, bigrams=learnt.bigrams,
         )  # fmt: skip
     return replace(
         flatten(base),
