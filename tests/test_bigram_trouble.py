@@ -14,7 +14,10 @@ from lipwright.bigrams.families import load_bigrams
 from lipwright.bigrams.file import editing, load_any, load_set, save_set
 from lipwright.cli.bigrams import bigrams as command
 from lipwright.errors import LipwrightError
+from lipwright.language.pace import spoken_track
+from lipwright.pipeline import AnimateOptions, animate_track
 
+CORPORA = Path(__file__).parents[2] / "shared" / "corpora"
 THEIRS = 'd = m.createDiphone("f", "ah", "s")\nd.addKey("open", 0, 0)\n'
 
 
@@ -109,6 +112,27 @@ class TestOneLine:
         path = a_set(rig="nope")
         result = ran("check", path)
         assert f"{path}: no rig 'nope'" in result.output
+
+    @pytest.mark.parametrize("words", ["", "...", "\U0001f600"])
+    def test_a_text_without_words_is_not_checked_as_if_all_was_well(self, words: str) -> None:
+        result = ran("check", "english", "--text", words)
+        assert "has no words" in result.output
+        assert "nothing to complain of" not in result.output
+
+
+@pytest.mark.skipif(not CORPORA.is_dir(), reason="needs ../shared/corpora")
+@pytest.mark.parametrize("name", ["neutral", "angry"])
+def test_a_vowel_between_two_closures_opens_the_mouth(name: str) -> None:
+    """Their closures ring on through a short vowel, which C of 0.5 kept shut."""
+    track = spoken_track("papa, mum, pop", "en", "words")
+    options = AnimateOptions(bigrams=CORPORA / "smartbody-bigrams" / f"{name}.json", fps=100)
+    jaw = animate_track(track, options).curve("jawOpen")
+    middles = (track.edges[:-1] + track.edges[1:]) / 2
+    for phone, middle in zip(track.phones, middles, strict=True):
+        if phone in ("AA", "AH"):
+            assert jaw[round(middle * 100)] > 0.05
+        elif phone in ("P", "M"):
+            assert jaw[round(middle * 100)] == 0
 
 
 @pytest.mark.parametrize("pose", ["a + b", "a\\nb"])

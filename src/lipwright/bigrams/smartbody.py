@@ -53,9 +53,9 @@ EXPRESSIVE_CLASSES: Final[Classes] = MappingProxyType({
 })  # fmt: skip
 """the 13 classes of "neutral" and "angry": one stands for several sounds, by articulation"""
 EXPRESSIVE_CONSTRAINTS: Final = MappingProxyType({
-    ("ah", "bmp"): 0.5, ("ah", "lowerLipUp"): 1.0, ("ah", "sh"): 1.0,
+    ("ah", "bmp"): 1.0, ("ah", "lowerLipUp"): 1.0, ("ah", "sh"): 1.0,
 })  # fmt: skip
-"""as for FaceFX, but f and sh of these sets are drawn with the jaw half down"""
+"""C of 1: f and sh are drawn with the jaw half down, and bmp rings on through a short vowel"""
 
 
 @dataclass(frozen=True, eq=False)

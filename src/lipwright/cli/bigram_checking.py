@@ -83,6 +83,8 @@ def _check(name: str, words: str | None, source: str) -> None:
         counting.add_text(words, bigrams.language, source)
         if counting.refused:
             raise LipwrightError(counting.refused[0])
+        if not counting.pairs:
+            raise LipwrightError(f"{source}: has no words; give the words that are spoken")
     needed = counting.coverage(bigrams) if words is not None else pairs_of_set(bigrams)
     complaints = list(faults(bigrams))
     for line in chain(complaints, _missing_lines(needed)):
