@@ -18,7 +18,8 @@ from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 
 CHUNK_PAIRS = 4096  # laid at once, so that hours need little more memory than their curves
-LAYERS = 5
+PAUSES = 4  # layer of pauses; pairs are in the layers before it, in turn
+LAYERS = PAUSES + 1
 
 
 @dataclass(frozen=True)
@@ -101,63 +102,77 @@ def stitch(bigrams: BigramSet, track: PhoneTrack, fps: float) -> Clip:
     between two.
     """
     poses = tuple(bigrams.poses)
+    kept = [c for c, pose in enumerate(bigrams.poses.values()) if pose.limit == "widen"]
     values = np.full((len(frame_times(track.end, fps)), len(poses)), -np.inf)
-    laid = spans(bigrams, track)
-    for first in range(0, len(laid), CHUNK_PAIRS):
-        _lay(values, laid[first : first + CHUNK_PAIRS], bigrams, fps)
+    every = spans(bigrams, track)
+    for first in range(0, len(every), CHUNK_PAIRS):
+        laid = _Laid.of(every[first : first + CHUNK_PAIRS], bigrams, fps, len(values))
+        for layer in range(LAYERS):
+            laid.raise_curves(values, layer)
+        laid.keep_peaks(values, kept)
     values[~np.isfinite(values)] = 0.0
     return Clip(poses, fps, values)
 
 
-def _lay(values: Floats, laid: Sequence[Span], bigrams: BigramSet, fps: float) -> None:
-    """Raise `values` (T, K) to the curves of the pairs."""
-    poses = tuple(bigrams.poses)
-    pairs = list(dict.fromkeys(span.pair for span in laid))
-    tables = [_kept(stand_in(bigrams, pair)[0], poses) for pair in pairs]
-    table = np.stack([one.values for one in tables])  # (U, SAMPLES, K)
-    which = np.array([pairs.index(span.pair) for span in laid])
-    start = np.array([span.start for span in laid])
-    length = np.array([span.end for span in laid]) - start
-    first = np.ceil(start * fps - 1e-6).astype(np.int64)
-    last = np.floor((start + length) * fps + 1e-6).astype(np.int64)
-    stop = np.minimum(last + 1, len(values))
-    layer = _layers(laid)
-    for number in range(LAYERS):
-        chosen = np.flatnonzero((layer == number) & (stop > first))
-        counts = (stop - first)[chosen]
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """N pairs on the frames of a clip."""
+
+    fps: float
+    values: Floats
+    """(U, SAMPLES, K), curves of the pairs that there are"""
+    peaks: Floats  # (U, K)
+    peak_times: Floats  # (U, K)
+    which: npt.NDArray[np.int64]  # (N,) of those U
+    layer: npt.NDArray[np.int64]  # (N,), 0 to LAYERS - 1; pairs of one layer share no frame
+    start: Floats  # (N,) s
+    length: Floats  # (N,) s
+    first: npt.NDArray[np.int64]  # (N,) frames
+    stop: npt.NDArray[np.int64]  # (N,) frames, after the last one
+
+    @classmethod
+    def of(cls, laid: Sequence[Span], bigrams: BigramSet, fps: float, frames: int) -> _Laid:
+        """A pair overlaps those beside it and meets those after them; a pause what is around it."""
+        places = {pair: n for n, pair in enumerate(dict.fromkeys(span.pair for span in laid))}
+        poses = tuple(bigrams.poses)
+        start = np.array([span.start for span in laid])
+        end = np.array([span.end for span in laid])
+        last = np.floor(end * fps + 1e-6).astype(np.int64)
+        tables = [_kept(stand_in(bigrams, pair)[0], poses) for pair in places]
+        return cls(
+            fps=fps,
+            values=np.stack([one.values for one in tables]),
+            peaks=np.stack([one.peaks for one in tables]),
+            peak_times=np.stack([one.peak_times for one in tables]),
+            which=np.array([places[span.pair] for span in laid]),
+            layer=np.array([PAUSES if span.within_pause else span.index % PAUSES for span in laid]),
+            start=start,
+            length=end - start,
+            first=np.ceil(start * fps - 1e-6).astype(np.int64),
+            stop=np.minimum(last + 1, frames),
+        )
+
+    def raise_curves(self, values: Floats, layer: int) -> None:
+        """Raise `values` (T, K) to the curves of the pairs of a layer."""
+        chosen = np.flatnonzero((self.layer == layer) & (self.stop > self.first))
+        counts = (self.stop - self.first)[chosen]
         of = np.repeat(chosen, counts)
-        frame = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts) + first[of]
-        place = np.clip((frame / fps - start[of]) / length[of], 0, 1) * (SAMPLES - 1)
-        low = np.minimum(place.astype(np.int64), SAMPLES - 2)
-        share = (place - low)[:, None]
-        below, above = table[which[of], low], table[which[of], low + 1]
+        within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        frame = within + self.first[of]
+        place = np.clip((frame / self.fps - self.start[of]) / self.length[of], 0, 1)
+        low = np.minimum((place * (SAMPLES - 1)).astype(np.int64), SAMPLES - 2)
+        share = (place * (SAMPLES - 1) - low)[:, None]
+        below, above = self.values[self.which[of], low], self.values[self.which[of], low + 1]
         values[frame] = np.maximum(values[frame], below + share * (above - below))
-    _keep_peaks(values, bigrams, tables, which, (start, length, first, stop), fps)
 
-
-def _layers(laid: Sequence[Span]) -> npt.NDArray[np.int64]:
-    """(N,), layers of pairs that share no frame.
-
-    A pair overlaps the pairs beside it and meets those after them; a pause with itself meets the
-    pairs at its ends.
-    """
-    return np.array([LAYERS - 1 if span.within_pause else span.index % 4 for span in laid])
-
-
-def _keep_peaks(
-    values: Floats, bigrams: BigramSet, tables: Sequence[Sampled], which: npt.NDArray[np.int64],
-    times: tuple[Floats, Floats, npt.NDArray[np.int64], npt.NDArray[np.int64]], fps: float,
-) -> None:  # fmt: skip
-    start, length, first, stop = times
-    kept = [c for c, pose in enumerate(bigrams.poses.values()) if pose.limit == "widen"]
-    if not kept:
-        return
-    peaks = np.stack([one.peaks[kept] for one in tables])[which]  # (N, kept)
-    at = np.stack([one.peak_times[kept] for one in tables])[which]
-    frame = np.rint((start[:, None] + at * length[:, None]) * fps).astype(np.int64)
-    frame = np.clip(frame, first[:, None], np.maximum(stop - 1, first)[:, None])
-    frame = np.minimum(frame, len(values) - 1)
-    np.maximum.at(values, (frame, np.array(kept)[None, :]), peaks)
+    def keep_peaks(self, values: Floats, kept: Sequence[int]) -> None:
+        """Raise the frame nearest to each peak of the columns `kept` to that peak."""
+        columns = np.array(kept, np.int64)
+        peaks, at = (table[self.which][:, columns] for table in (self.peaks, self.peak_times))
+        frame = np.rint((self.start[:, None] + at * self.length[:, None]) * self.fps)
+        last = np.maximum(self.stop - 1, self.first)
+        frame = np.clip(frame.astype(np.int64), self.first[:, None], last[:, None])
+        np.maximum.at(values, (np.minimum(frame, len(values) - 1), columns[None, :]), peaks)
 
 
 def pair_clips(bigrams: BigramSet, track: PhoneTrack, fps: float) -> list[tuple[Span, Clip]]:
