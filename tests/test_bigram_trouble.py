@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -145,6 +147,16 @@ def test_what_is_imported_can_be_read_again(pose: str, tmp_path: Path) -> None:
     text.write_text(f'{{"bigrams": [{{"from": "f", "to": "ah", "curves": {curves}}}]}}', "utf-8")
     with pytest.raises(LipwrightError, match="line 1, column 51"):
         load_any(text)
+
+
+@pytest.mark.parametrize("words", [[], ["nope.txt"]])
+def test_the_crabs_sketch_wants_a_text(words: list[str]) -> None:
+    script = Path(__file__).parents[1] / "examples" / "crab" / "sketch.py"
+    ended = subprocess.run(  # our own
+        [sys.executable, script, *words], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode != 0
+    assert len(ended.stderr.splitlines()) == 1
 
 
 def test_every_set_that_ships_is_within_what_is_allowed() -> None:

@@ -16,6 +16,8 @@ from lipwright.bigrams.coverage import Counting
 from lipwright.bigrams.edits import edit_set, with_bigram
 from lipwright.bigrams.fields import SetFile
 from lipwright.bigrams.values import Bigram, BigramSet, Points
+from lipwright.errors import LipwrightError
+from lipwright.formats.source import read_text
 
 SET: Final = Path(__file__).with_name("crab.bigrams.json")
 SPREAD: Final = 1 / 12  # of a phone; a spline meets the middle one of three equal points
@@ -97,7 +99,12 @@ def sketch_missing(said: SetFile, whole: BigramSet, text: str) -> SetFile:
 
 
 if __name__ == "__main__":
-    words = Path(sys.argv[1]).read_text("utf-8")
+    if len(sys.argv) != 2:
+        sys.exit("name a file of text, such as: python examples/crab/sketch.py line.txt")
+    try:
+        words = read_text(Path(sys.argv[1]))
+    except LipwrightError as error:
+        sys.exit(str(error))
     before = edit_set(SET, lambda said, whole: said)
     after = edit_set(SET, lambda said, whole: sketch_missing(said, whole, words))
     print(f"{SET.name}: {len(after.bigrams) - len(before.bigrams)} pairs sketched")
