@@ -54,7 +54,7 @@ class FitOptions:
     """times that a pair must be heard; others stay as they are by rule"""
     steps: int = 300
     """of the optimiser, at most"""
-    rounding: float = 0.65
+    rounding: float = 0.85
     """share of the rule's W that a fitted one keeps at least: some speakers hardly round"""
     closures: ClosureOptions = field(default_factory=ClosureOptions)
     """how lips are shut"""
