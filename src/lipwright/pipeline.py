@@ -159,8 +159,12 @@ def rig_of(bigrams: BigramSet) -> Rig:
     Raises:
         LipwrightError: the rig cannot be used, or lacks a pose of the set; names it.
     """
-    rig = load_rig(bigrams.rig)
-    rig.check_controls(bigrams.poses, f"the bigram set {bigrams.name!r}")
+    who = f"the bigram set {bigrams.name!r}"
+    try:
+        rig = load_rig(bigrams.rig)
+    except LipwrightError as error:
+        raise LipwrightError(f"the rig of {who}: {error}") from error
+    rig.check_controls(bigrams.poses, who)
     return rig
 
 

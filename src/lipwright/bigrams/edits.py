@@ -32,7 +32,8 @@ def edit_set(
     Args:
         name_or_path: the set.
         change: what the file says, and the set with all that it inherits, to what it shall say.
-        to: another file to write to instead, which is not there yet.
+        to: another file to write to instead, which is not there yet; of a set that ships, it
+            becomes a child.
 
     Returns:
         The changed set.
@@ -60,9 +61,12 @@ def edit_set(
                 "it with: lipwright bigrams import"
             )
         family = load_family(path)
+        if is_shipped(path):  # its child has what is changed, and no copy of the rest
+            name = "-".join(target.stem.split()) or path.stem
+            family = (*family, Member(target, SetFile(name, parent=path.stem)))
         said = change(family[-1].said, merge(family))
-        whole = merge([*family[:-1], Member(path, said)])
-        save_set(target, said if to is None else moved(said, path, target))
+        whole = merge([*family[:-1], Member(family[-1].path, said)])
+        save_set(target, said if to is None else moved(said, family[-1].path, target))
     return whole
 
 

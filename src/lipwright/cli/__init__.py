@@ -6,6 +6,7 @@ Exit status: 0 done, 1 interrupted or failed inside, 2 something that the user g
 from __future__ import annotations
 
 import _thread
+import contextlib
 import errno
 import json
 import os
@@ -96,8 +97,9 @@ def main() -> None:
         status = run(arguments)
     except _Stopped:
         status = _end("interrupted", FAILED, arguments)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
+    with contextlib.suppress(_Stopped):  # a second signal, while the first is answered
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
     sys.exit(status)
 
 

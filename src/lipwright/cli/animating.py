@@ -195,18 +195,28 @@ def animate(
     _say_done(targets, result.track, progress)
 
 
+MOST_MISSING = 10  # pairs that are named; a set that is drawn in part lacks hundreds
+
+
 def _report_missing(options: AnimateOptions, track: PhoneTrack, progress: str) -> None:
     """Name the pairs that a bigram set lacks, and what was said instead."""
+    from lipwright.bigrams.coverage import pair_text
     from lipwright.bigrams.missing import missing
-    from lipwright.phones import SILENCE
 
     bigrams = options.bigram_set
     if bigrams is None:
         return
-    for pair, count, instead in missing(bigrams, track):
-        stand_in = "the mouth rests there" if instead is None else f"used {' '.join(instead)!r}"
-        said = " ".join(name or SILENCE for name in pair)  # a set may have no class for silence
+    lacking = missing(bigrams, track)
+    for pair, count, instead in lacking[:MOST_MISSING]:
+        stand_in = "the mouth rests there" if instead is None else f"used {pair_text(instead)!r}"
+        said = pair_text(pair)
         warn(f"{bigrams.name} has no pair {said!r} ({count} times); {stand_in}", progress)
+    if len(lacking) > MOST_MISSING:
+        warn(
+            f"{bigrams.name} lacks {len(lacking) - MOST_MISSING} more pairs; see lipwright bigrams "
+            "coverage",
+            progress,
+        )
 
 
 def _check_controls(

@@ -26,7 +26,9 @@ def open_set(model: str | Path | BigramSet | None = None) -> BigramSet:
     Raises:
         LipwrightError: it cannot be used.
     """
-    return model if isinstance(model, BigramSet) else load_bigrams(model or DEFAULT_SET)
+    if isinstance(model, BigramSet):
+        return model
+    return load_bigrams(DEFAULT_SET if model is None else model)
 
 
 def animate(
