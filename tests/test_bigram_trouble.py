@@ -162,3 +162,18 @@ def test_the_crabs_sketch_wants_a_text(words: list[str]) -> None:
 def test_every_set_that_ships_is_within_what_is_allowed() -> None:
     for name in ("english", "swedish", "mandarin"):
         assert load_bigrams(name).bigrams
+
+
+def test_a_changed_set_that_ships_becomes_its_child(tmp_path: Path) -> None:
+    made = tmp_path / "my hero.json"
+    assert ran("edit", "english", "f ah", "open", "0 0, 1 1", "-o", made).exit_code == 0
+    said = load_set(made)
+    assert (said.name, said.parent) == ("my-hero", "english")
+    assert list(said.bigrams) == [("f", "ah")]
+    assert load_bigrams(made).bigrams["f", "ah"].curves["open"] == ((0.0, 0.0), (1.0, 1.0))
+
+
+def test_a_rig_that_is_not_there_is_named_with_its_set(a_set: Callable[..., Path]) -> None:
+    path = a_set(rig="none.json")
+    with pytest.raises(LipwrightError, match=r"the rig of the bigram set 'hero': .*none\.json"):
+        animate_track(spoken_track("Hello."), AnimateOptions(bigrams=path))
