@@ -152,8 +152,12 @@ PARTS = (
          "pip install 'lipwright[capture]'", needed=False),
     Part("tracker model", "fetched by the first capture", _has_tracker_model,
          "lipwright capture", needed=False),
-    Part("train", "trains models: lipwright train and tune", _installed("torch", "onnx", "optuna"),
+    Part("train", "trains models: lipwright train and tune",
+         _installed("torch", "onnx", "optuna", "matplotlib"),
          "pip install 'lipwright[train]'", needed=False),
+    Part("studio", "draws phone bigrams: lipwright bigrams editor and plot",
+         _installed("fastapi", "uvicorn", "matplotlib"),
+         "pip install 'lipwright[studio]'", needed=False),
     Part("openfacefx", "the peer in bench/lips.py", _installed("openfacefx"),
          "pip install 'lipwright[bench]'", needed=False),
 )  # fmt: skip

@@ -1,1 +1,1 @@
-"""Training of the sliding-window network: Taylor et al. 2017, section 5; the thesis, chapter 4."""
+"""Learning from captures: the network of Taylor et al. 2017, the phone bigrams of Xu et al. 2013."""
