@@ -216,7 +216,7 @@ def test_info_says_what_is_in_a_set(mine: Path, capsys: pytest.CaptureFixture[st
     rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert rows["parents"] == "mine"
     assert rows["from"] == "mine 2, hero 1"
-    assert rows["pairs"] == "3 of 484"
+    assert rows["pairs"] == "3 of 483"
     assert run(["bigrams", "info", "hero.json", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["from"] == {"mine": 2, "hero": 1}

@@ -177,3 +177,10 @@ def test_a_rig_that_is_not_there_is_named_with_its_set(a_set: Callable[..., Path
     path = a_set(rig="none.json")
     with pytest.raises(LipwrightError, match=r"the rig of the bigram set 'hero': .*none\.json"):
         animate_track(spoken_track("Hello."), AnimateOptions(bigrams=path))
+
+
+def test_a_text_that_would_take_minutes_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "long.py"
+    path.write_text(THEIRS + "#" * 8_000_000, "utf-8")
+    with pytest.raises(LipwrightError, match=r"long\.py: 8,\d+,\d+ letters .* split it"):
+        load_any(path)

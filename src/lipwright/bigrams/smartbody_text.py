@@ -26,6 +26,7 @@ UNNAMED: Final = "default"
 """the set of a pair that names none"""
 
 LISTED: Final = 20  # sets, in an error
+MAX_LETTERS: Final = 8_000_000  # twenty whole sets of a language; each million takes 4 s
 
 _CALL: Final = re.compile(rf"\b(?:{CREATE}|{ADD})\s*\(")
 _TOKEN: Final = re.compile(
@@ -71,8 +72,12 @@ def text_to_set(path: object, text: str, name: str | None = None) -> Imported:
 
     Raises:
         LipwrightError: a call is wrong, names line and column; or the set is not there, lists
-            those that are.
+            those that are; or the text is too long.
     """
+    if len(text) > MAX_LETTERS:
+        raise LipwrightError(
+            f"{path}: {len(text):,} letters of SmartBody's calls, over {MAX_LETTERS:,}; split it"
+        )
     sets: dict[str, dict[Pair, dict[str, list[tuple[float, float]]]]] = {}
     notes: dict[str, list[str]] = {}
     current: tuple[str, Pair] | None = None

@@ -134,6 +134,7 @@ def info(name: str, as_json: bool) -> None:
 
 
 def _facts(bigrams: BigramSet, family: Sequence[Member]) -> Iterator[tuple[str, Any]]:
+    from lipwright.bigrams.checking import pairs_of_set
     from lipwright.bigrams.families import origins
 
     yield "name", bigrams.name
@@ -149,8 +150,8 @@ def _facts(bigrams: BigramSet, family: Sequence[Member]) -> Iterator[tuple[str, 
     yield "smoothing", f"{bigrams.smoothing:g} s"
     yield "speed limit", f"{bigrams.speed_limit:g} poses a second"
     yield "silence", f"{bigrams.silence:g} s"
-    whole = len(bigrams.classes) ** 2
-    yield "pairs", f"{len(bigrams.bigrams)} of {whole}"
+    asked = pairs_of_set(bigrams)
+    yield "pairs", f"{len(asked.rows) - len(asked.missing)} of {len(asked.rows)}"
     yield "made", dict(Counter(pair.source for pair in bigrams.bigrams.values()).most_common())
     yield "from", dict(Counter(origins(family).values()).most_common())
 

@@ -1,1 +1,1 @@
-"""Learning from captures: the network of Taylor et al. 2017, the phone bigrams of Xu et al. 2013."""
+"""Learning from captures: networks (Taylor et al. 2017) and phone bigrams (Xu et al. 2013)."""
