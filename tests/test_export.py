@@ -39,7 +39,7 @@ from lipwright.export import (
     read_clip_json,
     read_performance_json,
 )
-from lipwright.export.glb import head_to_glb
+from lipwright.export.glb import mesh_to_glb
 from lipwright.face.head import Head, Part, save_head
 from lipwright.track import PhoneTrack, Word
 
@@ -532,14 +532,14 @@ def accessor_array(document: Any, index: int) -> np.ndarray:
 
 class TestGlb:
     def test_every_blendshape_is_a_named_morph_target(self, head: Head) -> None:
-        document = load_glb(head_to_glb(head, CLIP))
+        document = load_glb(mesh_to_glb(head, CLIP))
         mesh = document.meshes[0]
         assert mesh.extras["targetNames"] == list(CANONICAL)
         assert len(mesh.primitives) == len(head.parts)
         assert {len(primitive.targets) for primitive in mesh.primitives} == {len(CANONICAL)}
 
     def test_the_parts_make_up_the_head_in_every_pose(self, head: Head) -> None:
-        document = load_glb(head_to_glb(head, CLIP))
+        document = load_glb(mesh_to_glb(head, CLIP))
         weights = np.linspace(0, 1, len(CANONICAL), dtype=np.float32)
         posed, triangles = [], []
         for primitive in document.meshes[0].primitives:
@@ -555,7 +555,7 @@ class TestGlb:
 
     def test_the_animation_decodes_to_the_clips_frames(self, head: Head) -> None:
         clip = replace(CLIP, fps=59.94)
-        document = load_glb(head_to_glb(head, clip))
+        document = load_glb(mesh_to_glb(head, clip))
         (animation,) = document.animations
         (channel,), (sampler,) = animation.channels, animation.samplers
         assert (channel.target.path, sampler.interpolation) == ("weights", "LINEAR")
@@ -565,7 +565,7 @@ class TestGlb:
         assert weights.tolist() == clip.values.tolist()
 
     def test_normals_colours_texture_and_materials_are_there(self, head: Head) -> None:
-        document = load_glb(head_to_glb(head, CLIP))
+        document = load_glb(mesh_to_glb(head, CLIP))
         for primitive, part in zip(document.meshes[0].primitives, head.parts, strict=True):
             normals = accessor_array(document, primitive.attributes.NORMAL)
             assert np.linalg.norm(normals, axis=1) == pytest.approx(1, abs=1e-5)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.bigrams.missing import stand_in
-from lipwright.bigrams.spline import SAMPLES, dense
+from lipwright.bigrams.spline import SAMPLES, between, dense
 from lipwright.bigrams.values import Bigram, BigramSet, Pair
 from lipwright.clip import Clip, frame_times
 from lipwright.curves import Floats
@@ -159,9 +159,7 @@ class _Laid:
         of = np.repeat(chosen, counts)
         within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         frame = within + self.first[of]
-        place = np.clip((frame / self.fps - self.start[of]) / self.length[of], 0, 1)
-        low = np.minimum((place * (SAMPLES - 1)).astype(np.int64), SAMPLES - 2)
-        share = (place * (SAMPLES - 1) - low)[:, None]
+        low, share = between((frame / self.fps - self.start[of]) / self.length[of])
         below, above = self.values[self.which[of], low], self.values[self.which[of], low + 1]
         values[frame] = np.maximum(values[frame], below + share * (above - below))
 

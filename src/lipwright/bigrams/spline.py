@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from lipwright.bigrams.values import Points
 from lipwright.curves import Floats
@@ -47,3 +48,14 @@ def dense(points: Points, samples: int = SAMPLES) -> Floats:
     table = basis(len(points)) @ np.asarray(points, np.float64)
     times = np.maximum.accumulate(table[:, 0])
     return np.interp(np.linspace(0, 1, samples), times, table[:, 1])
+
+
+def between(place: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
+    """Where normalised times (n,) lie among the samples of a curve.
+
+    Returns:
+        (n,), the sample before each, below SAMPLES - 1; and (n, 1), the share of the one after it.
+    """
+    even = np.clip(place, 0, 1) * (SAMPLES - 1)
+    low = np.minimum(even.astype(np.int64), SAMPLES - 2)
+    return low, (even - low)[:, None]

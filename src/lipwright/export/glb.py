@@ -105,10 +105,6 @@ def mesh_to_glb(mesh: Mesh, clip: Clip, *, name: str = "speech", sound: str | No
     return b"".join(document.save_to_bytes())
 
 
-head_to_glb = mesh_to_glb
-"""the same, by the name that it had when the head was all there was"""
-
-
 class _Store:
     """The binary chunk as it grows, with its views and accessors."""
 

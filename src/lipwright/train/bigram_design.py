@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from lipwright.bigrams.missing import stand_in
 from lipwright.bigrams.runtime import Span, spans
-from lipwright.bigrams.spline import SAMPLES, dense
+from lipwright.bigrams.spline import SAMPLES, between, dense
 from lipwright.bigrams.values import BigramSet, Pair
 from lipwright.phones import SILENCE
 from lipwright.train.bigram_heard import Heard
@@ -109,9 +109,7 @@ class Design:
 
     def _weights(self, place: Floats) -> Floats:
         """(n, points), of the control points at normalised times."""
-        even = place * (SAMPLES - 1)
-        low = np.minimum(even.astype(np.int64), SAMPLES - 2)
-        share = (even - low)[:, None]
+        low, share = between(place)
         return (1 - share) * self.table[low] + share * self.table[low + 1]
 
 
