@@ -51,7 +51,7 @@ def check_points(points: Points) -> None:
             raise ValueError(f"control point {number} is at {time:g}, not within 0 to 1")
         if abs(value) > MAX_VALUE:
             raise ValueError(
-                f"control point {number} is at the value {value:g}, not within -{MAX_VALUE:g} to "
+                f"control point {number} is at the value {value:g}; give -{MAX_VALUE:g} to "
                 f"{MAX_VALUE:g}"
             )
         if time < last:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lipwright.bigrams.values import Bigram, BigramSet, Pair
+from lipwright.dataset.folder import sha256_of
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.lock import held
@@ -61,12 +61,7 @@ def digest(path: Path) -> str:
     Raises:
         LipwrightError: it cannot be read.
     """
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except FileNotFoundError:
-        return ""
-    except OSError as error:
-        raise LipwrightError(f"{path}: cannot be read: {error.strerror}") from error
+    return sha256_of(path) if path.exists() else ""
 
 
 def write_journal(path: Path, base: str, edits: Edits) -> None:

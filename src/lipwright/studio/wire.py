@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from lipwright.bigrams.file import DECIMALS
-from lipwright.bigrams.values import MAX_VALUE, Bigram, BigramSet, Pair, Source
+from lipwright.bigrams.values import Bigram, BigramSet, Pair, Source
 from lipwright.errors import LipwrightError
 
 MAX_POINTS: Final = 200  # of one curve; a hand draws some ten
@@ -91,11 +91,6 @@ def _check_curve(bigrams: BigramSet, named: str, pose: object, points: object) -
         if not isinstance(point, list | tuple) or len(point) != 2 or not all(map(_plain, point)):
             raise LipwrightError(
                 f"{named!r}: {pose!r}: control point {number} is not two finite numbers"
-            )
-        if abs(point[1]) > MAX_VALUE:
-            raise LipwrightError(
-                f"{named!r}: {pose!r}: control point {number} has the value {point[1]:g}; give "
-                f"-{MAX_VALUE:g} to {MAX_VALUE:g}"
             )
 
 
