@@ -21,6 +21,11 @@ BIN := .venv/bin
 	$(BIN)/python -m compileall -q src
 	@touch $@ .venv/.installed
 
+# What tests read exported files with in the browser; without npm those tests skip.
+tests/web/node_modules/.installed: tests/web/package-lock.json
+	@if command -v npm >/dev/null; then npm ci --silent --prefix tests/web && touch $@; \
+	  else echo "npm is missing: tests that read files with three.js skip"; fi
+
 # A recording and its words become a video, an animated head and a table of curves.
 demo: .venv/.installed
 	$(BIN)/lipwright head install --if-missing
@@ -29,7 +34,7 @@ demo: .venv/.installed
 	  -o demo/hello.mp4 -o demo/hello.glb -o demo/hello.csv
 	@ls -l demo
 
-test: .venv/.tested
+test: .venv/.tested tests/web/node_modules/.installed
 	$(BIN)/lipwright head install --if-missing
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .

@@ -37,6 +37,13 @@ TONGUE: Final[tuple[str, ...]] = (
 
 CANONICAL: Final[tuple[str, ...]] = ARKIT + TONGUE
 
+# Not blendshapes: a clip may have them beside the canonical controls, in radians.
+HEAD_ANGLES: Final[tuple[str, ...]] = (
+    "headYaw",  # to the character's own left
+    "headPitch",  # up
+    "headRoll",  # the crown to the character's own right
+)
+
 
 def _mirrored(name: str) -> str:
     for side, other in (("Left", "Right"), ("Right", "Left")):

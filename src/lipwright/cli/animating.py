@@ -178,8 +178,7 @@ def animate(
     exporters = [by_suffix(EXPORTERS, Path(t), _suffix(format), "export") for t in targets]
     _check_controls(options, targets, exporters)
     for exporter in exporters:
-        if exporter.prepare is not None:
-            exporter.prepare()
+        exporter.prepare()
     _check_files(targets, speech, text, phones, dictionary, bigrams)
     words, source = (None, "") if text is None else read_text(text)
     with progress_report(progress) as report, recording(speech) as path, _named(path, speech):
@@ -229,7 +228,7 @@ def _check_controls(
     if moves_heads(names):
         return
     for target, exporter in zip(targets, exporters, strict=True):
-        if exporter.read is not None:
+        if exporter.reads:
             continue
         if options.bigram_set is not None:
             raise LipwrightError(

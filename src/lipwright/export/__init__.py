@@ -6,20 +6,23 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from lipwright.audio import Sound
 from lipwright.clip import Clip
+from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
-from lipwright.export import csvclip, glb, jsonclip, livelink, mp4
 from lipwright.export.csvclip import read_clip_csv
 from lipwright.export.jsonclip import read_clip_json, read_performance_json
 from lipwright.export.performance import ExportOptions, Output, PathLike, Performance
 from lipwright.files import write_whole
 from lipwright.formats.suffixes import by_suffix
+from lipwright.retarget import retarget
+from lipwright.rig import load_rig
 from lipwright.track import PhoneTrack
 
 __all__ = [
@@ -38,28 +41,61 @@ __all__ = [
 ]
 
 
+Outputs = Callable[[Path, Performance, ExportOptions], list[Output]]
+
+
 @dataclass(frozen=True)
 class Exporter:
-    """One way to write a performance."""
+    """One way to write a performance, in a module of its own that is imported when it is used."""
 
     about: str
     """one line for people"""
-    outputs: Callable[[Path, Performance, ExportOptions], list[Output]]
-    """the files to write for a target, after all that can be checked before the work"""
-    read: Callable[[PathLike], Clip] | None = None
-    """the clip of such a file, where it can be read back"""
-    prepare: Callable[[], object] | None = None
-    """raises LipwrightError or ImportError where a head or package that it needs is missing"""
+    module: str
+    """the module's name; it has `outputs`, and where this entry says so `read` and `prepare`"""
+    rig: str = ""
+    """the rig in whose controls it writes; canonical curves are retargeted to it"""
+    reads: bool = False
+    """whether such a file can be read back as a clip"""
+    prepares: bool = False
+    """whether it needs a head or a package that may be missing"""
+
+    def outputs(self, path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
+        """The files to write for a target, after all that can be checked before the work."""
+        found: list[Output] = self._module.outputs(path, performance, options)
+        return found
+
+    def read(self, path: PathLike) -> Clip:
+        """The clip of such a file."""
+        clip: Clip = self._module.read(path)
+        return clip
+
+    def prepare(self) -> None:
+        """Find out before long work what is missing.
+
+        Raises:
+            LipwrightError: no head is installed, or an extra is missing.
+            ImportError: a package is missing.
+        """
+        if self.prepares:
+            self._module.prepare()
+
+    @property
+    def _module(self) -> Any:
+        return import_module(self.module)
 
 
 EXPORTERS: Final = MappingProxyType({
-    ".json": Exporter("Lipwright clip", jsonclip.outputs, read_clip_json),
-    ".csv": Exporter("table: time and one column a control", csvclip.outputs, read_clip_csv),
-    ".livelink.csv": Exporter("Live Link Face recording, for Unreal", livelink.outputs),
-    ".glb": Exporter(
-        "animated head, with its sound beside it as WAV", glb.outputs, prepare=glb.prepare
+    ".json": Exporter("Lipwright clip", "lipwright.export.jsonclip", reads=True),
+    ".csv": Exporter(
+        "table: time and one column a control", "lipwright.export.csvclip", reads=True
     ),
-    ".mp4": Exporter("video of the head with sound", mp4.outputs, prepare=mp4.prepare),
+    ".livelink.csv": Exporter(
+        "Live Link Face recording, for Unreal", "lipwright.export.livelink", rig="arkit"
+    ),
+    ".glb": Exporter(
+        "animated head, with its sound beside it as WAV", "lipwright.export.glb", prepares=True
+    ),
+    ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True),
 })  # fmt: skip
 """suffix to exporter; the longest suffix wins"""
 
@@ -121,7 +157,7 @@ def export_all(
     outputs: list[Output] = []
     for path in map(Path, paths):
         exporter = by_suffix(EXPORTERS, path, format, "export")
-        outputs += exporter.outputs(path, performance, options)
+        outputs += exporter.outputs(path, in_rig_of(exporter, performance), options)
     check_targets([output.path for output in outputs], performance.audio_path)
     with ExitStack() as stack:
         for output in outputs:
@@ -132,6 +168,26 @@ def export_all(
             except OSError as error:
                 reason = error.strerror or str(error)
                 raise LipwrightError(f"{output.path}: cannot be written: {reason}") from error
+
+
+def in_rig_of(exporter: Exporter, performance: Performance) -> Performance:
+    """The performance in the controls that an exporter writes, where it can be had in them.
+
+    What is in another rig goes by what that looks like on a human face.
+
+    Raises:
+        LipwrightError: the exporter's rig does not say how it follows speech.
+    """
+    own = performance.rig
+    if not exporter.rig or (own is not None and own.name == exporter.rig):
+        return performance
+    clip = performance.clip
+    if own is not None and own.looks:
+        clip = own.to_canonical(clip)
+    if not set(clip.names) & set(CANONICAL):
+        return performance  # the exporter says what it misses
+    rig = load_rig(exporter.rig)
+    return replace(performance, clip=retarget(clip, rig), rig=rig)
 
 
 def check_targets(
@@ -199,7 +255,7 @@ def read_clip(
         LipwrightError: the format is unknown or cannot be read back, or the file is wrong.
     """
     exporter = by_suffix(EXPORTERS, path, format, "clip")
-    if exporter.read is None:
-        known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.read)
+    if not exporter.reads:
+        known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.reads)
         raise LipwrightError(f"{path}: cannot be read back as a clip; readable are {known}")
     return exporter.read(path)

@@ -120,3 +120,6 @@ def _rate(path: PathLike, times: list[float], lines: list[int], decimals: int) -
         f"{path}: line {lines[worst]}: the time {times[worst]:g} s does not keep the even spacing "
         f"of {estimate:.3f} frames a second; resample the curves"
     )
+
+
+read = read_clip_csv

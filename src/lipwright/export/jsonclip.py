@@ -122,3 +122,6 @@ def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[floa
             f"{path}: frame {frame}: {names[column][:40]!r} is too large a number; correct it"
         )
     return Clip(tuple(names), fps, values.astype(np.float32))
+
+
+read = read_clip_json

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ import numpy.typing as npt
 from lipwright.audio import Sound, open_audio
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
+from lipwright.rig import Rig
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
@@ -37,6 +39,8 @@ class Performance:
     """the phones that the curves follow"""
     audio: Sound | PathLike | None = None
     """the sound from the clip's first frame on, or its file"""
+    rig: Rig | None = None
+    """whose controls the curves are; None for canonical ones, and for modes of a face"""
 
     @property
     def audio_path(self) -> Path | None:
@@ -77,11 +81,20 @@ class ExportOptions:
     default"""
     view: View | Camera = "face"
     """from where a video shows it"""
+    keys: float | None = None
+    """in formats that keep curves between keys, as few keys as stay within this of every frame, in
+    units of the control; None for one key a frame"""
+    onto: Path | None = None
+    """the GLB or VRM of a character that a GLB is to animate"""
     progress: Callable[[int, int], None] | None = field(default=None, compare=False)
     """called with the video frames that are done and their number in all"""
 
     def __post_init__(self) -> None:
         """Check."""
+        if self.keys is not None and not 0 < self.keys < math.inf:
+            raise LipwrightError(
+                f"keys within {self.keys} cannot be had; give a number above 0, such as 0.01"
+            )
         if any(side % 2 or not 16 <= side <= MAX_SIDE for side in self.size):
             raise LipwrightError(
                 f"a video of {self.size[0]} x {self.size[1]} pixels cannot be made; choose even "

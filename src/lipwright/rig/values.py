@@ -1,16 +1,12 @@
-"""`Rig`: what a character lets us move. Those that ship are in `rigs/`, one JSON file each."""
+"""`Rig`: what a character lets us move, and how that follows canonical controls."""
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +14,11 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, both_sides
 from lipwright.errors import LipwrightError
+from lipwright.rig.mapping import Mapped, unknown_controls
 
-RIGS: Final = ("arkit", "facefx", "smartbody")
-"""names of the rigs that ship"""
+CHANNELS: Final = ("tx", "ty", "tz", "rx", "ry", "rz")
+"""of a bone: translations in m along the axes of its parent, then rotations in degrees about the
+same axes, applied in the order x, y, z"""
 MAX_LOOK: Final = 100.0  # a weight; what is far beyond moves a face out of the picture
 
 
@@ -52,12 +50,37 @@ class Control:
 
 
 @dataclass(frozen=True)
+class Bone:
+    """A joint that moves what hangs on it; its controls are `NAME.tx` to `NAME.rz`.
+
+    Raises:
+        ValueError: no name, its own parent, or a place that is not three finite numbers.
+    """
+
+    name: str
+    parent: str = ""
+    """another bone of the rig, or empty: the head"""
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """m, where it is at rest: y up, z forward, +x to the character's own left, from the joint of
+    head and neck"""
+
+    def __post_init__(self) -> None:
+        """Check and freeze."""
+        if not self.name or not isinstance(self.name, str) or self.parent == self.name:
+            raise ValueError(f"a bone needs a name, and a parent that is not itself: {self.name!r}")
+        if len(self.at) != 3 or not all(math.isfinite(number) for number in self.at):
+            raise ValueError(f"the bone {self.name!r} is at {self.at}, not at three numbers of m")
+        object.__setattr__(self, "at", tuple(map(float, self.at)))
+
+
+@dataclass(frozen=True)
 class Rig:
     """The controls of a character.
 
     Raises:
-        ValueError: no controls, names that repeat, a mirror pair of an unknown control, or looks
-            of an unknown control, in other than canonical controls, or out of range.
+        ValueError: no controls, names that repeat, mirror pairs that are none, looks or a mapping
+            of an unknown control or in other than canonical controls or out of range, or bones
+            whose parents are unknown or form a circle.
     """
 
     name: str
@@ -72,6 +95,17 @@ class Rig:
     looks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """control to what it looks like at 1 on a human face: canonical control (one without a side
     means both) to weight; empty for a creature that no human face can show"""
+    title: str = ""
+    """what it is, in a few words"""
+    mapping: Mapped | None = None
+    """how its controls follow canonical ones; None where nobody has said so"""
+    lacks: Mapping[str, str] = field(default_factory=dict)
+    """canonical control (one without a side means both) that the rig has no shape for, to what
+    replaces it, in words"""
+    discrete: bool = False
+    """one control at a time shows, in full: drawn mouths"""
+    bones: tuple[Bone, ...] = ()
+    """of a rig that has some; parents stand before their children"""
 
     def __post_init__(self) -> None:
         """Check and freeze."""
@@ -80,9 +114,17 @@ class Rig:
             raise ValueError("a rig has a name and at least one control")
         if len(set(names)) != len(names):
             raise ValueError(f"rig {self.name!r}: control names repeat")
-        for left, right in self.mirror.items():
-            if left not in names or self.mirror.get(right) != left:
-                raise ValueError(f"rig {self.name!r}: {left!r} and {right!r} are no mirror pair")
+        self._check_mirror(names)
+        self._check_bones()
+        if self.mapping is not None and (unknown := unknown_controls(self.mapping, names)):
+            raise ValueError(
+                f"rig {self.name!r}: the mapping moves {unknown[0]!r}, which is no control of it"
+            )
+        for name in self.lacks:
+            if not set(both_sides(name)) <= set(CANONICAL):
+                raise ValueError(
+                    f"rig {self.name!r}: lacks {name!r}, which is no canonical control"
+                )
         for control, look in self.looks.items():
             if control not in names:
                 raise ValueError(f"rig {self.name!r}: {control!r} has a look and is no control")
@@ -96,11 +138,41 @@ class Rig:
         object.__setattr__(self, "controls", tuple(self.controls))
         object.__setattr__(self, "mirror", MappingProxyType(dict(self.mirror)))
         object.__setattr__(self, "looks", MappingProxyType(looks))
+        object.__setattr__(self, "lacks", MappingProxyType(dict(self.lacks)))
+        object.__setattr__(self, "bones", tuple(self.bones))
+
+    def _check_mirror(self, names: list[str]) -> None:
+        for left, right in self.mirror.items():
+            if left not in names or right not in names or left == right:
+                raise ValueError(f"rig {self.name!r}: {left!r} and {right!r} are no mirror pair")
+            if self.mirror.get(right) != left:
+                chain = f"{left!r} to {right!r} to {self.mirror.get(right)!r}"
+                raise ValueError(
+                    f"rig {self.name!r}: the mirrors {chain} go round; {left!r} and {right!r} are "
+                    "no mirror pair"
+                )
+
+    def _check_bones(self) -> None:
+        before: set[str] = set()
+        for bone in self.bones:
+            if bone.name in before:
+                raise ValueError(f"rig {self.name!r}: the bone {bone.name!r} stands twice")
+            if bone.parent and bone.parent not in before:
+                raise ValueError(
+                    f"rig {self.name!r}: the parent {bone.parent!r} of the bone {bone.name!r} does "
+                    "not stand before it"
+                )
+            before.add(bone.name)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the controls, in the rig's order."""
         return tuple(control.name for control in self.controls)
+
+    @property
+    def rest(self) -> npt.NDArray[np.float32]:
+        """(C,), the rest pose."""
+        return np.array([control.rest for control in self.controls], np.float32)
 
     def fit(self, clip: Clip) -> Clip:
         """The clip in this rig's controls and order, each within its range.
@@ -140,74 +212,3 @@ class Rig:
                     f"{who} moves the pose {name!r}, which the rig {self.name!r} lacks; it has "
                     f"{', '.join(self.names)}"
                 )
-
-
-def load_rig(name: str | Path) -> Rig:
-    """A rig that ships, by name, or that of a JSON file.
-
-    Raises:
-        LipwrightError: no such rig, lists the known ones; or the file cannot be used.
-    """
-    if str(name) in RIGS:
-        return _shipped(str(name))
-    path = Path(name)
-    if path.suffix != ".json" or "\0" in str(name):
-        raise LipwrightError(
-            f"no rig {str(name)!r}; the rigs are: {', '.join(RIGS)}, or name a .json file"
-        )
-    return read_rig(path)
-
-
-@cache
-def _shipped(name: str) -> Rig:
-    data = json.loads(files("lipwright").joinpath("rigs", f"{name}.json").read_text("utf-8"))
-    return _from_json(data)
-
-
-MAX_RIG_BYTES: Final = 4_000_000  # a rig is names and a few numbers
-
-
-def read_rig(path: Path) -> Rig:
-    """The rig of a JSON file, in the form of those that ship.
-
-    Raises:
-        LipwrightError: the file cannot be read, or is no rig; says where and why.
-    """
-    try:
-        if path.stat().st_size > MAX_RIG_BYTES:
-            raise LipwrightError(f"{path}: over {MAX_RIG_BYTES:,} bytes, which is no rig")
-        text = path.read_text("utf-8")
-    except OSError as error:
-        raise LipwrightError(f"{path}: cannot be read ({error.strerror}); name a rig") from error
-    except UnicodeDecodeError as error:
-        raise LipwrightError(f"{path}: is not UTF-8 text; name a rig's JSON file") from error
-    try:
-        return _from_json(json.loads(text))
-    except json.JSONDecodeError as error:
-        raise LipwrightError(
-            f"{path}:{error.lineno}:{error.colno}: {error.msg}; a rig is a JSON file"
-        ) from error
-    except KeyError as error:
-        raise LipwrightError(f"{path}: a rig needs {error}, and this one has none") from error
-    except (TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise LipwrightError(
-            f"{path}: is no rig ({error}); compare it with one that works"
-        ) from error
-
-
-def _from_json(data: Any) -> Rig:
-    return Rig(
-        name=data["name"],
-        controls=tuple(Control(**control) for control in data["controls"]),
-        mirror={**dict(data["mirror"]), **{b: a for a, b in data["mirror"]}},
-        source=data["source"],
-        license=data["license"],
-        looks=data.get("looks", {}),
-    )
-
-
-def canonical_rig() -> Rig:
-    """The rig that all engines speak: ARKit and the tongue controls."""
-    rig = load_rig("arkit")
-    assert rig.names == CANONICAL  # the file and the table are one set; a test proves it
-    return rig
