@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +16,7 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 
 Floats = npt.NDArray[np.float64]
-
-STILL = 0.0  # what a control that never changes needs is one key
+Frames = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ class KeyedClip:
 def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = None) -> KeyedClip:
     """The clip's curves as keys.
 
-    A control that never changes gets one key.
+    A control that moves by no more than `error` gets one key.
 
     Args:
         clip: the curves.
@@ -112,15 +112,26 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
         names: the controls to take; all of them by default.
     """
     chosen = clip.names if names is None else tuple(names)
-    make = every_frame if error is None else lambda v, t: sparse_keys(v, t, error)
+    values = clip.select(chosen).values.astype(np.float64)
+    low, high = values.min(axis=0), values.max(axis=0)
+    bound = 0.0 if error is None else error
+    moving = np.flatnonzero(high - low > 2 * SHARE * bound)
+    if error is None:
+        kept: list[Frames] = [np.arange(len(clip), dtype=np.intp)] * len(moving)
+        slopes = np.zeros_like(values)
+    else:
+        slopes = np.gradient(values, axis=0) if len(clip) > 1 else np.zeros_like(values)
+        kept = kept_frames(values[:, moving], slopes[:, moving], SHARE * error)
+    frames = dict(zip(moving.tolist(), kept, strict=True))
     curves = {}
-    for name in chosen:
-        values = clip.curve(name).astype(np.float64)
-        if np.ptp(values) == 0 or len(values) == 1:
-            zero = np.zeros(1)
-            curves[name] = KeyedCurve(zero, values[:1], zero, zero)
+    for column, name in enumerate(chosen):
+        if column not in frames:
+            middle = values[:1, column] if error is None else (low + high)[column : column + 1] / 2
+            curves[name] = KeyedCurve(np.zeros(1), middle, np.zeros(1), np.zeros(1))
+        elif error is None:
+            curves[name] = every_frame(values[:, column], clip.times)
         else:
-            curves[name] = make(values, clip.times)
+            curves[name] = _smooth(frames[column], values[:, column], slopes[:, column], clip.fps)
     return KeyedClip(curves, clip.fps, len(clip), linear=error is None)
 
 
@@ -130,6 +141,66 @@ def every_frame(values: Floats, times: Floats) -> KeyedCurve:
     return KeyedCurve(times, values, np.concatenate([[0], slopes]), np.concatenate([slopes, [0]]))
 
 
-def sparse_keys(values: Floats, times: Floats, error: float) -> KeyedCurve:
-    """As few keys as keep the curve within `error` of `values` at all `times`."""
-    return every_frame(values, times)  # TODO
+def _smooth(frames: Frames, values: Floats, slopes: Floats, fps: float) -> KeyedCurve:
+    arriving = slopes[frames] * fps
+    leaving = arriving.copy()
+    arriving[0] = leaving[-1] = 0.0
+    return KeyedCurve(frames / fps, values[frames], arriving, leaving)
+
+
+SHARE: Final = 0.97  # of the bound; the rest is for the digits that files leave out
+LANE: Final = 600  # frames that are gone through in a row; each run of so many begins with a key
+REACH: Final = 96  # frames from key to key at the most
+PATIENCE: Final = 8  # spans in a row that do not fit, before longer ones are given up
+
+
+def kept_frames(values: Floats, slopes: Floats, error: float) -> list[Frames]:
+    """The frames of each curve that become keys: from each the farthest that still fits.
+
+    A span fits where the cubic through its ends with their slopes is within `error` of every frame
+    between. All curves are gone through at once, in runs of `LANE` frames.
+
+    Args:
+        values: (T, C).
+        slopes: (T, C) a frame.
+        error: in units of the controls.
+
+    Returns:
+        For each of C curves its frames, rising, the first and the last among them.
+    """
+    count, controls = values.shape
+    starts = np.arange(0, max(count - 1, 1), LANE)
+    column = np.repeat(np.arange(controls), len(starts))
+    frame = np.tile(starts, controls)
+    stop = np.minimum(frame + LANE, count - 1)
+    keys = [(column, frame)]
+    while len(column):
+        frame = frame + _farthest(values, slopes, error, column, frame, stop)
+        keys.append((column, frame))
+        going = frame < stop
+        column, frame, stop = column[going], frame[going], stop[going]
+    columns, frames = (np.concatenate(parts) for parts in zip(*keys, strict=True))
+    return [np.unique(frames[columns == control]) for control in range(controls)]
+
+
+def _farthest(
+    values: Floats, slopes: Floats, error: float, column: Frames, frame: Frames, stop: Frames
+) -> Frames:
+    """For each of n starts the longest span, in frames, that fits; at least one frame."""
+    best = np.minimum(1, stop - frame)
+    trying = np.flatnonzero(stop - frame > 1)
+    for length in range(2, REACH + 1):
+        trying = trying[(stop - frame)[trying] >= length]
+        trying = trying[length - best[trying] <= PATIENCE]
+        if not len(trying):
+            break
+        c, start = column[trying, None], frame[trying, None]
+        u = np.arange(1, length) / length
+        ends = start + length
+        curve = hermite(
+            u, values[start, c], values[ends, c],
+            length * slopes[start, c], length * slopes[ends, c],
+        )  # fmt: skip
+        off = np.abs(curve - values[start + np.arange(1, length), c]).max(axis=1)
+        best[trying[off <= error]] = length
+    return best

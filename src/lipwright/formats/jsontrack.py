@@ -53,7 +53,7 @@ def track_to_json(track: PhoneTrack) -> dict[str, Any]:
     }
 
 
-def parse_json(path: PathLike, kind: str, version: int) -> dict[str, Any]:
+def parse_json(path: PathLike, kind: str, *versions: int) -> dict[str, Any]:
     """The object that one of our files holds.
 
     Raises:
@@ -86,11 +86,12 @@ def parse_json(path: PathLike, kind: str, version: int) -> dict[str, Any]:
         found = content.get("format") if isinstance(content, dict) else None
         is_of = f"is of the format {str(found)[:24]!r}" if found else "names no format"
         raise LipwrightError(f'{path}: {is_of}; expected "format": "{kind}"')
-    if content.get("version") != version:
-        found = str(content.get("version"))[:24]
+    found = content.get("version")
+    if isinstance(found, bool) or found not in versions:
+        known = " or ".join(map(str, versions))
         raise LipwrightError(
-            f"{path}: is of version {found} of {kind}, not {version}; write it again with this "
-            "version of Lipwright, or update Lipwright"
+            f"{path}: is of version {str(found)[:24]} of {kind}, not {known}; write it again with "
+            "this version of Lipwright, or update Lipwright"
         )
     return content
 
