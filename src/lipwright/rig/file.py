@@ -26,7 +26,10 @@ from lipwright.rig.values import Bone, Control, Rig
 FORMAT: Final = "lipwright-rig"
 VERSION: Final = 1
 
-RIGS: Final = ("arkit", "facefx", "smartbody")
+RIGS: Final = (
+    "arkit", "facefx", "smartbody", "oculus", "vrm1", "vrm0", "preston-blair", "rhubarb",
+    "rocketbox", "cc4", "metahuman", "makehuman", "mmd", "live2d",
+)  # fmt: skip
 """names of the rigs that ship"""
 
 
