@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
@@ -151,7 +151,7 @@ class PoseMapping:
     """Equations 2 and 3 of Taylor et al. 2017: poses of the rig for modes of a reference face.
 
     Raises:
-        ValueError: no poses, or a pose stands twice.
+        ValueError: no poses, a pose stands twice, or a row moves a control that poses move.
     """
 
     mean: Mapping[str, float]
@@ -161,6 +161,11 @@ class PoseMapping:
     """usually eight: of each of the first four modes one either way"""
     reference: str = "grid-s1"
     """the reference shape whose modes they show; see `lipwright.face.shapes`"""
+    shut: Mapping[str, float] = field(default_factory=dict)
+    """control to its value where the lips of the reference face meet; controls that are left out
+    follow the poses there too"""
+    rows: Mapping[str, Row] = field(default_factory=dict)
+    """control that no shape mode shows, of tongue, eyes or brows, to what it is made of"""
 
     method = "poses"
 
@@ -173,13 +178,21 @@ class PoseMapping:
         for pose, side in zip(self.poses, sides, strict=True):
             if sides.count(side) > 1:
                 raise ValueError(f"two poses show {pose.label[:-1]}...; keep one a side")
-        object.__setattr__(self, "mean", MappingProxyType(dict(self.mean)))
+        _check_numbers("the shut pose", self.shut)
+        if both := sorted(self._posed & set(self.rows)):
+            raise ValueError(f"{both[0]!r} is moved by poses and by a row; keep one of them")
+        for name in ("mean", "shut", "rows"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         object.__setattr__(self, "poses", tuple(self.poses))
+
+    @property
+    def _posed(self) -> set[str]:
+        return set(self.mean) | set(self.shut).union(*(pose.values for pose in self.poses))
 
     @property
     def controls(self) -> set[str]:
         """The controls of the rig that it moves."""
-        return set(self.mean).union(*(pose.values for pose in self.poses))
+        return self._posed | set(self.rows)
 
 
 Mapped = LinearMapping | PoseMapping
