@@ -3,7 +3,7 @@
 Frame i shows the clip at i / fps seconds and the sound starts at 0. The video lasts as long as
 the sound (without sound, as long as the clip). Its rate is the clip's, divided by the smallest
 whole number that brings it to 30 frames a second or less, so that no frame falls between two
-of the clip.
+of the clip. Our head turns by the clip's head angles; another character does not.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from lipwright.audio import Audio, Sound
 from lipwright.clip import Clip
+from lipwright.controls import HEAD_ANGLES
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import (
     ExportOptions,
@@ -90,10 +91,13 @@ def _render(mesh: Mesh, clip: Clip, fps: float, count: int, options: ExportOptio
     from lipwright.face.render import Renderer
 
     posed = clip.select(mesh.shape_names)
+    turning = clip.select(HEAD_ANGLES) if set(HEAD_ANGLES) & set(clip.names) else None
     width, height = options.size
     with Renderer(mesh, width, height, view=options.view) as renderer:
         for frame in range(count):
-            yield renderer.render(posed.at([frame / fps])[0])
+            time = [frame / fps]
+            turn = None if turning is None else turning.at(time)[0]
+            yield renderer.render(posed.at(time)[0], turn)
             if options.progress is not None:
                 options.progress(frame + 1, count)
 

@@ -14,6 +14,7 @@ from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
+from lipwright.face.neck import turn_shares, turned
 from lipwright.face.png import write_png
 from lipwright.face.shading import Camera, View
 
@@ -58,11 +59,21 @@ class Renderer:
             LipwrightError: "gl" was asked for and does not work.
         """
         self._mesh = mesh
+        self._shares = turn_shares(mesh) if isinstance(mesh, Head) else None
         self._painter, self.backend = _painter(mesh, width, height, backend, view)
 
-    def render(self, weights: ArrayLike) -> NDArray[np.uint8]:
-        """The picture (H, W, 3), sRGB, under `weights` (C,) in the order of its `shape_names`."""
-        return self._painter.paint(self._mesh.pose(weights))
+    def render(self, weights: ArrayLike, turn: ArrayLike | None = None) -> NDArray[np.uint8]:
+        """The picture (H, W, 3), sRGB, of one pose.
+
+        Args:
+            weights: (C,), in the order of the mesh's `shape_names`.
+            turn: yaw, pitch and roll of `controls.HEAD_ANGLES` in radians; the neck follows and
+                the shirt stays. Other characters than our head have no joint and do not turn.
+        """
+        vertices = self._mesh.pose(weights)
+        if turn is not None and self._shares is not None:
+            vertices = turned(vertices, self._shares, turn)
+        return self._painter.paint(vertices)
 
     def close(self) -> None:
         """Give back the graphics context; no picture can be drawn afterwards."""
