@@ -34,7 +34,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("rig",),
             ("retarget",),
             ("export",),
-            ("pipeline",),
+            ("pipeline", "edits"),
             ("live", "batch", "studio"),
             ("cli",),
             ("__init__", "__main__"),
