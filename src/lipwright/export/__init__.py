@@ -95,6 +95,15 @@ EXPORTERS: Final = MappingProxyType({
     ".glb": Exporter(
         "animated head, with its sound beside it as WAV", "lipwright.export.glb", prepares=True
     ),
+    ".anim": Exporter("Unity animation clip", "lipwright.export.unity"),
+    ".tres": Exporter("Godot 4 animation", "lipwright.export.godot"),
+    ".unreal.csv": Exporter("Unreal curve table", "lipwright.export.unreal"),
+    ".unreal.json": Exporter("Unreal curve table, as JSON", "lipwright.export.unrealjson"),
+    ".maya.anim": Exporter("Maya animation curves, for animImport", "lipwright.export.maya"),
+    ".mel": Exporter("Maya script that sets the curves", "lipwright.export.mel"),
+    ".a2f.json": Exporter(
+        "Audio2Face blendshape weights", "lipwright.export.audio2face", rig="arkit"
+    ),
     ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True),
 })  # fmt: skip
 """suffix to exporter; the longest suffix wins"""
