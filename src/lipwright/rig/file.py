@@ -132,7 +132,7 @@ def _to_mapping(data: Any) -> Mapped:
     method = data["method"]
     if method == LinearMapping.method:
         return LinearMapping(
-            {name: _to_row(row) for name, row in data["controls"].items()},
+            _to_rows(data["controls"]),
             tuple(
                 Corrective(row["control"], tuple(row["of"]), row["gain"])
                 for row in data.get("correctives", ())
@@ -146,6 +146,8 @@ def _to_mapping(data: Any) -> Mapped:
                 for pose in data["poses"]
             ),
             data.get("reference", PoseMapping.reference),
+            data.get("shut", {}),
+            _to_rows(data.get("controls", {})),
         )
     raise LipwrightError(
         f"the mapping's method is {str(method)[:24]!r}; the methods are: {LinearMapping.method}, "
@@ -153,9 +155,15 @@ def _to_mapping(data: Any) -> Mapped:
     )
 
 
-def _to_row(data: Any) -> Row:
-    clamp = data.get("clamp")
-    return Row(data["from"], data.get("offset", 0.0), None if clamp is None else tuple(clamp))
+def _to_rows(data: Any) -> dict[str, Row]:
+    return {
+        name: Row(row["from"], row.get("offset", 0.0), _clamp(row.get("clamp")))
+        for name, row in data.items()
+    }
+
+
+def _clamp(ends: Any) -> tuple[float, float] | None:
+    return None if ends is None else tuple(ends)
 
 
 def save_rig(rig: Rig, path: str | Path) -> None:
@@ -202,8 +210,8 @@ def _control(control: Control) -> dict[str, Any]:
 
 
 def _mapping_text(mapping: Mapped) -> str:
+    rows = {name: _dump(_row(row)) for name, row in mapping.rows.items()}
     if isinstance(mapping, LinearMapping):
-        rows = {name: _dump(_row(row)) for name, row in mapping.rows.items()}
         correctives = [
             _dump({"control": c.control, "of": c.of, "gain": c.gain}) for c in mapping.correctives
         ]
@@ -219,6 +227,8 @@ def _mapping_text(mapping: Mapped) -> str:
             f'    "mean": {_dump(dict(mapping.mean))}',
             _rows("poses", poses, 4),
         ]
+        inside += [f'    "shut": {_dump(dict(mapping.shut))}'] if mapping.shut else []
+        inside += [_named("controls", rows, 4)] if rows else []
     return (
         f'  "mapping": {{\n    "method": {_dump(mapping.method)},\n' + ",\n".join(inside) + "\n  }"
     )
