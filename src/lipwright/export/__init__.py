@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -14,14 +14,13 @@ from typing import Any, Final
 
 from lipwright.audio import Sound
 from lipwright.clip import Clip
-from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.export.csvclip import read_clip_csv
 from lipwright.export.jsonclip import read_clip_json, read_performance_json
 from lipwright.export.performance import ExportOptions, Output, PathLike, Performance
 from lipwright.files import write_whole
 from lipwright.formats.suffixes import by_suffix
-from lipwright.retarget import retarget
+from lipwright.retarget import is_retargetable, retarget
 from lipwright.rig import load_rig
 from lipwright.track import PhoneTrack
 
@@ -41,7 +40,7 @@ __all__ = [
 ]
 
 
-Outputs = Callable[[Path, Performance, ExportOptions], list[Output]]
+CANONICAL_RIG: Final = "arkit"
 
 
 @dataclass(frozen=True)
@@ -58,6 +57,8 @@ class Exporter:
     """whether such a file can be read back as a clip"""
     prepares: bool = False
     """whether it needs a head or a package that may be missing"""
+    shows: bool = False
+    """whether it shows a head: curves of another rig are shown as they look on it"""
 
     def outputs(self, path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
         """The files to write for a target, after all that can be checked before the work."""
@@ -93,7 +94,8 @@ EXPORTERS: Final = MappingProxyType({
         "Live Link Face recording, for Unreal", "lipwright.export.livelink", rig="arkit"
     ),
     ".glb": Exporter(
-        "animated head, with its sound beside it as WAV", "lipwright.export.glb", prepares=True
+        "animated head, with its sound beside it as WAV", "lipwright.export.glb", prepares=True,
+        shows=True,
     ),
     ".anim": Exporter("Unity animation clip", "lipwright.export.unity"),
     ".tres": Exporter("Godot 4 animation", "lipwright.export.godot"),
@@ -104,7 +106,8 @@ EXPORTERS: Final = MappingProxyType({
     ".a2f.json": Exporter(
         "Audio2Face blendshape weights", "lipwright.export.audio2face", rig="arkit"
     ),
-    ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True),
+    ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True,
+                     shows=True),
 })  # fmt: skip
 """suffix to exporter; the longest suffix wins"""
 
@@ -166,7 +169,7 @@ def export_all(
     outputs: list[Output] = []
     for path in map(Path, paths):
         exporter = by_suffix(EXPORTERS, path, format, "export")
-        outputs += exporter.outputs(path, in_rig_of(exporter, performance), options)
+        outputs += exporter.outputs(path, in_rig_of(exporter, performance, options), options)
     check_targets([output.path for output in outputs], performance.audio_path)
     with ExitStack() as stack:
         for output in outputs:
@@ -179,7 +182,7 @@ def export_all(
                 raise LipwrightError(f"{output.path}: cannot be written: {reason}") from error
 
 
-def in_rig_of(exporter: Exporter, performance: Performance) -> Performance:
+def in_rig_of(exporter: Exporter, performance: Performance, options: ExportOptions) -> Performance:
     """The performance in the controls that an exporter writes, where it can be had in them.
 
     What is in another rig goes by what that looks like on a human face.
@@ -187,16 +190,18 @@ def in_rig_of(exporter: Exporter, performance: Performance) -> Performance:
     Raises:
         LipwrightError: the exporter's rig does not say how it follows speech.
     """
-    own = performance.rig
-    if not exporter.rig or (own is not None and own.name == exporter.rig):
+    own, clip = performance.rig, performance.clip
+    of_head = exporter.shows and options.onto is None and options.character is None
+    wanted = CANONICAL_RIG if of_head else exporter.rig
+    if not wanted or (own is not None and own.name == wanted):
         return performance
-    clip = performance.clip
     if own is not None and own.looks:
         clip = own.to_canonical(clip)
-    if not set(clip.names) & set(CANONICAL):
+        performance = replace(performance, clip=clip, rig=None)
+    if of_head or not is_retargetable(clip):
         return performance  # the exporter says what it misses
-    rig = load_rig(exporter.rig)
-    return replace(performance, clip=retarget(clip, rig), rig=rig)
+    rig = load_rig(wanted)
+    return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)
 
 
 def check_targets(
