@@ -43,7 +43,7 @@ def test_the_shirt_stays_the_face_turns_whole_and_the_neck_in_part(head: Head) -
     for name in ("jawOpen", "mouthFunnel", "eyeBlinkLeft"):
         moved, by = head.shape(name)
         much = moved[np.linalg.norm(by, axis=1) > 0.005]  # m; the throat follows the jaw a little
-        assert shares[much].min() > 0.85, f"{name} moves the face"
+        assert shares[much].min() > 0.8, f"{name} moves the face"
 
 
 @pytest.mark.parametrize("angles", QUARTERS)
