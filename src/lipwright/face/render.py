@@ -73,6 +73,10 @@ class Renderer:
         vertices = self._mesh.pose(weights)
         if turn is not None and self._shares is not None:
             vertices = turned(vertices, self._shares, turn)
+        return self.draw(vertices)
+
+    def draw(self, vertices: NDArray[np.float32]) -> NDArray[np.uint8]:
+        """The picture (H, W, 3), sRGB, of the mesh with its `vertices` (V, 3) anywhere, m."""
         return self._painter.paint(vertices)
 
     def close(self) -> None:
