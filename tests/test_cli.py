@@ -400,11 +400,11 @@ def test_output_that_nobody_reads_ends_without_a_traceback() -> None:
 def test_a_missing_package_is_named_with_its_command_only_where_it_is_needed(
     tmp_path: Path, track: Path
 ) -> None:
-    with mock.patch.dict(sys.modules, {"pygltflib": None}):
+    with mock.patch.dict(sys.modules, {"moderngl": None, "av": None}):
         run = lipwright("animate", HELLO, "--phones", track, "-o", "a.csv", cwd=tmp_path)
         assert run.returncode == 0, run.stderr.decode()
-        run = lipwright("animate", HELLO, "--phones", track, "-o", "a.glb", cwd=tmp_path)
-        assert_refused(run, "pygltflib", "pip install pygltflib")
+        run = lipwright("animate", HELLO, "--phones", track, "-o", "a.mp4", cwd=tmp_path)
+        assert_refused(run, "av", "pip install av")
 
 
 @pytest.mark.parametrize("name", ["a" * 300 + ".csv", "a" * 300 + "/a.csv", "a" * 5000])

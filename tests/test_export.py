@@ -137,7 +137,7 @@ class TestChoice:
         assert all(suffix in str(caught.value) for suffix in known_exports())
 
     def test_what_cannot_be_read_back_says_so(self, tmp_path: Path) -> None:
-        with pytest.raises(LipwrightError, match=r"readable are \.json, \.csv$"):
+        with pytest.raises(LipwrightError, match=r"readable are \.json, \.csv, "):
             read_clip(tmp_path / "a.mp4")
 
     @pytest.mark.parametrize("size", [(511, 512), (512, 14), (512, 5000)])

@@ -94,8 +94,8 @@ EXPORTERS: Final = MappingProxyType({
         "Live Link Face recording, for Unreal", "lipwright.export.livelink", rig="arkit"
     ),
     ".glb": Exporter(
-        "animated head, with its sound beside it as WAV", "lipwright.export.glb", prepares=True,
-        shows=True,
+        "animated head, with its sound beside it as WAV", "lipwright.export.glb", reads=True,
+        prepares=True, shows=True,
     ),
     ".anim": Exporter("Unity animation clip", "lipwright.export.unity"),
     ".tres": Exporter("Godot 4 animation", "lipwright.export.godot"),
