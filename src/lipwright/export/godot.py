@@ -29,12 +29,14 @@ from lipwright.export.bonemotion import (
     scene_node,
     shape_names,
 )
-from lipwright.export.keytext import check_controls, key_rows, number
+from lipwright.export.keytext import check_controls, is_smooth, key_rows, number
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.keys import KeyedCurve, keyed
 
 SKELETON: Final = "Skeleton3D"  # the node, as Godot's importers call it
 SHORTEST: Final = 0.001  # s, the least length of an animation in Godot
+FREE: Final = 0  # a mode of handles
+BALANCED: Final = 2  # the same, of handles that stay in a line
 FORBIDDEN: Final = ":"  # it parts the names of a path
 
 
@@ -85,7 +87,7 @@ def _bezier_keys(curve: KeyedCurve) -> str:
         "%.7g, %.7g, %.7g, %.7g, %.7g, ",
         curve.values, -before, -before * curve.arriving, after, after * curve.leaving,
     )  # fmt: skip
-    modes = ", ".join(["0"] * len(curve))
+    modes = key_rows("%d, ", np.where(is_smooth(curve), BALANCED, FREE)).removesuffix(", ")
     return (
         f'{{\n"handle_modes": PackedInt32Array({modes}),\n"points": {_packed(points)},\n'
         f'"times": {_packed(key_rows("%.6f, ", curve.times))}\n}}'

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
+from lipwright.keys import KeyedCurve
 
 
 def key_rows(form: str, *columns: npt.ArrayLike) -> str:
@@ -21,6 +22,11 @@ def key_rows(form: str, *columns: npt.ArrayLike) -> str:
 def number(value: float, digits: int = 7) -> str:
     """A number in at most `digits` digits, as `%g` writes it."""
     return f"{value + 0.0:.{digits}g}"
+
+
+def is_smooth(curve: KeyedCurve) -> npt.NDArray[np.bool_]:
+    """(K,), whether the slopes on both sides of a key are one."""
+    return np.asarray(np.isclose(curve.arriving, curve.leaving, rtol=1e-6, atol=1e-9))
 
 
 def check_controls(path: Path, clip: Clip, what: str, forbidden: str = "") -> None:

@@ -25,7 +25,7 @@ import numpy as np
 
 from lipwright.errors import LipwrightError
 from lipwright.export.bonemotion import bone_channels, check_moves, rest_place, shape_names
-from lipwright.export.keytext import check_controls, key_rows, number
+from lipwright.export.keytext import check_controls, is_smooth, key_rows, number
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.keys import Floats, KeyedCurve, keyed
 
@@ -149,5 +149,5 @@ def _keys(part: MayaCurve, rate: float, linear: bool) -> str:
     before, after = (
         np.degrees(np.arctan(part.inner(slopes))) for slopes in (curve.arriving, curve.leaving)
     )
-    form = "    %.6f %.7g fixed fixed 0 1 0 %.9g 1 %.9g 1;\n"
-    return key_rows(form, times, curve.values, before, after)
+    form = "    %.6f %.7g fixed fixed %d 1 0 %.9g 1 %.9g 1;\n"
+    return key_rows(form, times, curve.values, is_smooth(curve), before, after)

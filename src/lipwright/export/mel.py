@@ -21,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from lipwright.export.keytext import key_rows, number
+from lipwright.export.keytext import is_smooth, key_rows, number
 from lipwright.export.maya import MayaCurve, check_names, maya_curves, time_unit
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.keys import Floats
@@ -121,7 +121,7 @@ def _lines(performance: Performance, options: ExportOptions) -> Iterator[str]:
 
 
 def _tangents(part: MayaCurve) -> str:
-    lines = _set("ktl", np.zeros(len(part.curve)))  # the sides of a key are apart
+    lines = _set("ktl", is_smooth(part.curve).astype(np.float64))
     for side, slopes in (("i", part.curve.arriving), ("o", part.curve.leaving)):
         scaled = part.inner(slopes)
         length = np.hypot(1, scaled)

@@ -31,13 +31,13 @@ from lipwright.export.bonemotion import (
     scene_node,
     shape_names,
 )
-from lipwright.export.keytext import check_controls, key_rows, number
+from lipwright.export.keytext import check_controls, is_smooth, key_rows, number
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.keys import KeyedClip, KeyedCurve, keyed
 
 PERCENT: Final = 100.0  # of a Unity weight in a weight of 1
-FREE: Final = 1  # tangentMode: broken, both sides free
-LINEAR: Final = 1 | 2 << 1 | 2 << 5  # tangentMode: broken, both sides linear
+BROKEN: Final = 1  # in tangentMode, of a key whose sides have slopes of their own
+LINEAR: Final = BROKEN | 2 << 1 | 2 << 5  # tangentMode
 _PLAIN: Final = re.compile(r"[A-Za-z_][\w./-]*", re.ASCII)
 _NOT_PLAIN: Final = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"})
 
@@ -130,22 +130,21 @@ def _section(name: str, curves: Iterator[str] | list[str]) -> Iterator[str]:
 
 
 def _shapes(clip: KeyedClip, renderer: str) -> Iterator[str]:
-    mode = LINEAR if clip.linear else FREE
     for name, curve in clip.curves.items():
-        yield f"{_CURVE}{_float_keys(curve, mode)}{_CURVE_END}"
+        yield f"{_CURVE}{_float_keys(curve, clip.linear)}{_CURVE_END}"
         yield f"    attribute: {yaml_text(f'blendShape.{name}')}\n    path: {yaml_text(renderer)}\n"
         yield "    classID: 137\n    script: {fileID: 0}\n"
 
 
-def _float_keys(curve: KeyedCurve, mode: int) -> str:
+def _float_keys(curve: KeyedCurve, linear: bool) -> str:
     form = (
         "      - serializedVersion: 3\n        time: %.6f\n        value: %.7g\n"
-        f"        inSlope: %.7g\n        outSlope: %.7g\n        tangentMode: {mode}\n"
+        "        inSlope: %.7g\n        outSlope: %.7g\n        tangentMode: %d\n"
         "        weightedMode: 0\n        inWeight: 0.33333334\n        outWeight: 0.33333334\n"
     )
-    return key_rows(
-        form, curve.times, *(PERCENT * c for c in (curve.values, curve.arriving, curve.leaving))
-    )
+    columns = (PERCENT * c for c in (curve.values, curve.arriving, curve.leaving))
+    modes = np.where(is_smooth(curve), 0, BROKEN)
+    return key_rows(form, curve.times, *columns, np.full(len(curve), LINEAR) if linear else modes)
 
 
 def _bone(bone: BoneMotion, axes: str, fps: float) -> str:
