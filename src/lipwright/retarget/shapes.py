@@ -1,0 +1,285 @@
+"""Drawn mouths: which of a rig's shapes shows when, chosen for the whole clip at once.
+
+What is compared is what one sees of a mouth: aperture, lip width, pout, lip on teeth and tongue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.clip import Clip
+from lipwright.controls import CANONICAL, both_sides
+from lipwright.errors import LipwrightError
+from lipwright.phones import BILABIALS, SILENCE
+from lipwright.retarget.holding import cheapest_labels
+from lipwright.rig import Rig
+from lipwright.track import PhoneTrack
+
+Floats = npt.NDArray[np.float64]
+
+SEEN: Final = MappingProxyType({
+    "jawForward": (0.023, -0.003, 0.023),
+    "jawOpen": (0.569, -0.059, 0.011),
+    "mouthClose": (-0.569, 0.068, -0.004),
+    "mouthFunnel": (0.179, -0.080, 0.075),
+    "mouthPucker": (-0.039, -0.146, 0.034),
+    "mouthSmile": (-0.022, 0.121, 0.048),
+    "mouthFrown": (-0.001, 0.019, 0.000),
+    "mouthDimple": (-0.001, 0.087, 0.032),
+    "mouthStretch": (0.000, 0.087, 0.031),
+    "mouthRollLower": (-0.047, 0.005, -0.040),
+    "mouthRollUpper": (-0.016, 0.010, -0.061),
+    "mouthShrugLower": (-0.077, -0.003, 0.029),
+    "mouthShrugUpper": (0.056, 0.000, 0.005),
+    "mouthPress": (-0.017, 0.104, 0.001),
+    "mouthLowerDown": (0.035, 0.002, 0.003),
+    "mouthUpperUp": (0.044, -0.007, 0.000),
+    "cheekPuff": (-0.018, -0.101, -0.030),
+})  # fmt: skip
+"""canonical control (one without a side stands for either) to what a full weight adds on our head,
+in distances of its eyes: aperture, width between the corners of the lips, and how far their middle
+stands before the corners; a test measures the head again"""
+
+OVERLAP: Final = 0.005  # eye distances; lips at rest touch, and open once they no longer overlap
+LIP_ON_TEETH: Final = ("mouthRollLower",)
+TONGUE_UP: Final = ("tongueRaise", "tonguePress", "tongueOut")
+
+# What is plainly another mouth. The aperture counts by its square root: a little light between
+# shut lips shows more than as much again in an open mouth. Spread lips count half: many speakers
+# do not smile as drawings do.
+UNITS: Final = np.array([
+    0.2,  # square root of eye distances of aperture
+    0.06,  # eye distances of width
+    0.04,  # eye distances of pout
+    0.25,  # weight of lips on teeth
+    0.6,  # weight of tongue
+])  # fmt: skip
+
+STEP: Final = 0.01  # s, the grid of times: that of Rhubarb Lip Sync's files
+HOLD: Final = 0.08  # s; a drawing shows for two frames of 24 a second or more
+SWITCH: Final = 0.02  # s at a distance of one unit that a change of drawing is worth
+SHUT: Final = 0.005  # eye distances of aperture; below, lips look shut
+PAUSE: Final = 0.2  # s; shorter silences are part of speech
+QUIET: Final = 0.3  # s; where nobody says what is spoken, lips that are shut for longer rest
+UNFIT: Final = 1.0  # units²; the rest shape in speech, and pressed lips in a pause
+FORBIDDEN: Final = 1e5  # units²; beside it no other cost counts
+REACH: Final = 2.5  # a mouth that opens little is taken for this many times as open at the most
+WIDEST: Final = 97.0  # percentile of the aperture that counts as a speaker's wide open mouth
+
+
+@dataclass(frozen=True)
+class ShownShape:
+    """One drawing and when it shows.
+
+    Raises:
+        ValueError: it ends before it starts, or at once.
+    """
+
+    start: float
+    """s"""
+    end: float
+    """s, above `start`"""
+    name: str
+    """a control of the rig"""
+
+    def __post_init__(self) -> None:
+        """Check."""
+        if not 0 <= self.start < self.end:
+            raise ValueError(f"{self.name!r} shows from {self.start} to {self.end} s")
+
+
+def choose_shapes(
+    clip: Clip,
+    rig: Rig,
+    track: PhoneTrack | None = None,
+    *,
+    names: Iterable[str] | None = None,
+    hold: float = HOLD,
+    switch: float = SWITCH,
+) -> tuple[ShownShape, ...]:
+    """The shapes of a rig that look most like a clip, one after the other without gaps.
+
+    Of all rows of drawings that are held for `hold` or longer, the one with the least sum of
+    differences from the clip and of switches. Each closure of the lips shows a shut mouth, and
+    pauses show the rest shape. Times are multiples of 10 ms but for the last.
+
+    Args:
+        clip: canonical curves.
+        rig: its controls are drawings that `looks` describes.
+        track: the phones that the clip follows. With it, closures are the p, b and m during which
+            the clip shuts the lips; without it, all shut lips but those that rest.
+        names: the shapes that are drawn; all by default.
+        hold: s that a drawing shows at least.
+        switch: s for which a drawing that is plainly wrong is borne to save one change.
+
+    Raises:
+        LipwrightError: the rig does not say what its shapes look like, or the clip moves no mouth.
+    """
+    names = rig.names if names is None else tuple(names)
+    check_drawn(clip, rig, names)
+    looks = _seen(rig.look_of(names).astype(np.float64))  # (S, 5)
+    steps = max(1, round(clip.duration / STEP + 0.499))
+    middles = np.asarray((np.arange(steps) + 0.5) * STEP, np.float64)
+    seen = _seen_at(clip, middles)
+    quiet = _quiet_steps(seen[:, 0] < SHUT, track, middles)
+    closures = _closures(clip, quiet, track)
+    seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
+    costs = ((_scaled(seen)[:, None] - _scaled(looks)) ** 2).sum(axis=2)  # (T, S)
+    rest, shut = _rest_and_shut(names, looks)
+    costs[~quiet, rest] += UNFIT if len(names) > 1 and rest not in shut else 0.0
+    for label in set(shut) - {rest}:
+        costs[quiet, label] += UNFIT
+    others = [label for label in range(len(names)) if label not in shut]
+    for label in others:
+        costs[closures, label] = FORBIDDEN
+    labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
+    return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
+
+
+def check_drawn(clip: Clip, rig: Rig, names: Iterable[str]) -> None:
+    """Refuse what shapes cannot be chosen for.
+
+    Raises:
+        LipwrightError: as `choose_shapes`.
+    """
+    names = tuple(names)
+    rig.check_controls(names, "the choice of shapes")
+    if not any(rig.looks.get(name) for name in names):
+        raise LipwrightError(
+            f"the rig {rig.name!r} does not say what its shapes look like; add 'looks' to its file"
+        )
+    if not set(clip.names) & {side for name in SEEN for side in both_sides(name)}:
+        raise LipwrightError(
+            f"curves of {', '.join(clip.names[:3])}... move no mouth that the shapes of the rig "
+            f"{rig.name!r} could show; give canonical ones, such as jawOpen"
+        )
+
+
+def shape_curves(shown: Iterable[ShownShape], rig: Rig, fps: float, frames: int) -> Clip:
+    """Curves (T, C) of which one at a time is in full: what shows in the middle of each frame."""
+    shown = tuple(shown)
+    middles = (np.arange(frames) + 0.5) / fps
+    index = np.searchsorted([shape.end for shape in shown[:-1]], middles, side="right")
+    columns = np.array([rig.names.index(shape.name) for shape in shown])[index]
+    values = np.zeros((frames, len(rig.names)), np.float32)
+    values[np.arange(frames), columns] = 1.0
+    return rig.fit(Clip(rig.names, fps, values))
+
+
+def shown_shapes(clip: Clip, rig: Rig) -> tuple[ShownShape, ...]:
+    """The shapes of curves of a rig of drawings: the largest of each frame, from its time on."""
+    values = rig.fit(clip).values
+    return _runs(
+        [rig.names[column] for column in values.argmax(axis=1)],
+        1 / clip.fps,
+        max(clip.duration, 1 / clip.fps),
+    )
+
+
+def _runs(labels: list[str], step: float, end: float) -> tuple[ShownShape, ...]:
+    starts = [i for i in range(len(labels)) if i == 0 or labels[i] != labels[i - 1]]
+    times = [round(start * step, 6) for start in starts]
+    if len(times) > 1 and times[-1] >= end:  # the last frame of curves lasts no time
+        times.pop()
+    edges = [*times, end]
+    return tuple(
+        ShownShape(edges[i], edges[i + 1], labels[starts[i]]) for i in range(len(edges) - 1)
+    )
+
+
+def _table() -> Floats:
+    """(55, 5), what a full weight of each canonical control adds to what is seen."""
+    table = np.zeros((len(CANONICAL), len(UNITS)))
+    for name, row in SEEN.items():
+        for side in both_sides(name):
+            table[CANONICAL.index(side), :3] = row
+    for column, controls in ((3, LIP_ON_TEETH), (4, TONGUE_UP)):
+        for name in controls:
+            table[CANONICAL.index(name), column] = 1.0
+    return table
+
+
+def _seen(weights: Floats) -> Floats:
+    """(n, 5), aperture, width, pout, lip on teeth and tongue of canonical weights (n, 55)."""
+    return np.asarray(weights @ _table() - [OVERLAP, 0, 0, 0, 0])
+
+
+def _seen_at(clip: Clip, times: Floats) -> Floats:
+    """(len(times), 5), linear between the clip's frames, as its weights are."""
+    frames = _seen(clip.select(CANONICAL).values.astype(np.float64))
+    return np.stack([np.interp(times, clip.times, column) for column in frames.T], axis=1)
+
+
+def _scaled(seen: Floats) -> Floats:
+    """(n, 5), in units of what is plainly another mouth."""
+    scaled = seen.copy()
+    scaled[:, 0] = np.sqrt(np.maximum(seen[:, 0], 0))
+    scaled[:, 1] = np.minimum(seen[:, 1], seen[:, 1] / 2)
+    scaled[:, 4] = np.clip(seen[:, 4], 0, 1)
+    return np.asarray(scaled / UNITS)
+
+
+def _reach(apertures: Floats, drawn: Floats) -> float:
+    """What to multiply apertures by, so that a speaker's wide open mouth is the widest drawing."""
+    wide = float(np.percentile(apertures, WIDEST))
+    return float(np.clip(drawn.max() / wide, 1.0, REACH)) if wide > SHUT else 1.0
+
+
+def _rest_and_shut(names: tuple[str, ...], looks: Floats) -> tuple[int, list[int]]:
+    """The shape of pauses, and those that show a closure: the others that are shut, if any."""
+    rest = int((_scaled(looks) ** 2).sum(axis=1).argmin())
+    for usual in ("X", "rest", "sil"):
+        rest = names.index(usual) if usual in names else rest
+    closed = (looks[:, 0] < SHUT) & (looks[:, 3] < UNITS[3])
+    shut = [int(label) for label in np.flatnonzero(closed) if label != rest]
+    if shut:
+        return rest, shut
+    return rest, [rest if closed[rest] else int(looks[:, 0].argmin())]
+
+
+def _quiet_steps(
+    shut: npt.NDArray[np.bool_], track: PhoneTrack | None, middles: Floats
+) -> npt.NDArray[np.bool_]:
+    """(T,), where nobody speaks."""
+    quiet = np.zeros(len(middles), bool)
+    if track is None:
+        for first, stop in _spans(shut):
+            quiet[first:stop] = (stop - first) * STEP >= QUIET
+        return quiet
+    quiet |= (middles < track.start) | (middles >= track.end)
+    for phone, start, end in track:
+        if phone == SILENCE and end - start >= PAUSE:
+            quiet |= (middles >= start) & (middles < end)
+    return quiet
+
+
+def _closures(clip: Clip, quiet: npt.NDArray[np.bool_], track: PhoneTrack | None) -> list[int]:
+    """The steps at which the mouth has to be shut: where each closure is tightest."""
+    # The steps miss a frame between them that alone is shut, so that frames are looked at too.
+    times = np.union1d(clip.times, (np.arange(len(quiet)) + 0.5) * STEP)
+    apertures = _seen_at(clip, times)[:, 0].clip(min=0)
+    steps = np.minimum((times / STEP + 1e-6).astype(int), len(quiet) - 1)
+    if track is None:
+        spans = _spans((apertures < SHUT) & ~quiet[steps])
+    else:
+        spoken = [(start, end) for phone, start, end in track if phone in BILABIALS]
+        spans = [tuple(np.searchsorted(times, span)) for span in spoken]
+    found = []
+    for first, stop in spans:
+        part = apertures[first:stop]
+        if len(part) and part.min() < SHUT:
+            tightest = np.flatnonzero(part == part.min())
+            found.append(int(steps[first + tightest[len(tightest) // 2]]))
+    return found
+
+
+def _spans(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and stop of each run of true steps."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(first), int(stop)) for first, stop in edges.reshape(-1, 2)]
