@@ -13,6 +13,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 CHANNEL_COUNT = 6  # of a bone: three of translation in m, then three of rotation in degrees
+HEAD = "head"  # the bone that turns with the head
 
 
 class Placed(Protocol):
@@ -93,17 +94,24 @@ class Skeleton:
         Args:
             channels: (..., B, 6): translation in m and rotation in degrees along and about the
                 axes of the parent, rotated about x first, then y, then z.
-            turns: (..., 3, 3), how the whole head is turned about the origin.
+            turns: (..., 3, 3), how the head is turned besides, about the place of its bone's parent.
         """
         values = np.asarray(channels, np.float64)
         rotations = rotation_matrices(values[..., 3:])
         places = self.offsets + values[..., :3]
         if turns is not None:
-            roots = np.flatnonzero(self.parents < 0)
+            bones = self.turning
             whole = np.asarray(turns, np.float64)[..., None, :, :]
-            rotations[..., roots, :, :] = whole @ rotations[..., roots, :, :]
-            places[..., roots, :] = (whole @ places[..., roots, :, None])[..., 0]
+            rotations[..., bones, :, :] = whole @ rotations[..., bones, :, :]
+            places[..., bones, :] = (whole @ places[..., bones, :, None])[..., 0]
         return rotations, places
+
+    @property
+    def turning(self) -> list[int]:
+        """Which bones turn with the head: that of this name, or else all that have no parent."""
+        if HEAD in self.names:
+            return [self.names.index(HEAD)]
+        return np.flatnonzero(self.parents < 0).tolist()
 
     def matrices(self, channels: npt.ArrayLike, turns: Floats | None = None) -> Floats:
         """(..., B, 3, 4): what moves a point from where it is at rest to where the bone has it.

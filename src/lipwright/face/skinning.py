@@ -49,7 +49,7 @@ class SkinnedMesh:
 
         Args:
             channels: (B, 6), translations in m and rotations in degrees; see `Skeleton.joints`.
-            turn: (3, 3), how the whole head is turned about the origin.
+            turn: (3, 3), how the head is turned besides.
 
         Raises:
             ValueError: the channels have another shape.
@@ -69,7 +69,7 @@ class SkinnedMesh:
 
         Args:
             channels: (T, B, 6).
-            turns: (T, 3, 3), how the whole head is turned.
+            turns: (T, 3, 3), how the head is turned besides.
         """
         for frame, values in enumerate(np.asarray(channels, np.float64)):
             yield self.pose(values, None if turns is None else turns[frame])

@@ -16,6 +16,7 @@ from lipwright.face.skinning import MOST_BONES
 WHOLE: Final = 1e3  # times the motion of a vertex: how firmly its weights sum to 1
 SMALLEST_M: Final = 1e-4  # m, the least motion that this is measured by
 LEAST: Final = 1e-3  # a weight below it is not seen
+IDLE: Final = 1e-9  # m, and of a rotation matrix: less is the rounding of zero
 
 
 def solve_weights(
@@ -23,7 +24,8 @@ def solve_weights(
 ) -> Floats:
     """(V, B) weights, at most four a vertex, with which bones come nearest to `targets`.
 
-    Non-negative least squares for each vertex, and again among the four bones that hold it most.
+    Non-negative least squares for each vertex, and again among the four bones that hold it most. Of
+    bones that never move the last one holds the rest of all vertices.
 
     Args:
         vertices: (V, 3) at rest, m.
@@ -37,12 +39,29 @@ def solve_weights(
     moved = turned + np.moveaxis(matrices[..., 3], 2, 1) - rest[:, None, :, None]
     wanted = np.moveaxis(np.asarray(targets, np.float64) - rest, 0, 1)
     moved = moved.reshape(len(rest), -1, len(skeleton))
+    free = np.ones(len(skeleton), bool)
+    free[np.flatnonzero(is_idle(matrices))[:-1]] = False
     # The same problem in as many rows as there are bones.
-    basis, systems = np.linalg.qr(moved)
+    basis, systems = np.linalg.qr(moved[..., free])
     sides = np.einsum("vrb,vr->vb", basis, wanted.reshape(len(rest), -1))
-    return np.array(
-        [_weights_of_one(system, side) for system, side in zip(systems, sides, strict=True)]
-    )
+    weights = np.zeros((len(rest), len(skeleton)))
+    weights[:, free] = [
+        _weights_of_one(system, side) for system, side in zip(systems, sides, strict=True)
+    ]
+    return weights
+
+
+def is_idle(matrices: Floats) -> npt.NDArray[np.bool_]:
+    """(B,), which bones do not move in any of the poses with `matrices` (P, B, 3, 4)."""
+    return np.asarray(np.abs(matrices - np.eye(3, 4)).max(axis=(0, 2, 3)) < IDLE)
+
+
+def held_by_idle(count: int, matrices: Floats) -> Floats:
+    """(count, B) weights of vertices that never move: the last idle bone holds them."""
+    idle = np.flatnonzero(is_idle(matrices))
+    weights = np.zeros((count, matrices.shape[1]))
+    weights[:, idle[-1] if len(idle) else 0] = 1.0
+    return weights
 
 
 def _weights_of_one(system: Floats, side: Floats) -> Floats:

@@ -19,7 +19,7 @@ from lipwright.errors import LipwrightError
 from lipwright.face.mesh import Mesh
 from lipwright.face.skeleton import CHANNEL_COUNT, Floats, Placed, Skeleton
 from lipwright.face.skinning import SkinnedMesh, spread
-from lipwright.retarget.bone_weights import solve_weights
+from lipwright.retarget.bone_weights import held_by_idle, solve_weights
 
 STEPS: Final = 4  # of Gauss and Newton in each round; rotations of a face are small
 PROBE: Final = (1e-4, 1e-4, 1e-4, 1e-2, 1e-2, 1e-2)  # m and degrees, of numeric derivatives
@@ -43,7 +43,7 @@ class FitOptions:
     """Choices of a fit."""
 
     still: tuple[str, ...] = ()
-    """bones that do not move: what holds the rest of the face"""
+    """bones that do not move; the last of them holds the rest of the face"""
     grips: Mapping[str, tuple[float, float, float]] | None = None
     """bone to the middle of what it carries, m; where it is, for bones that are left out"""
     rounds: int = 12
@@ -95,15 +95,10 @@ def fit_bones(
         raise LipwrightError(f"the {mesh.name}: none of {', '.join(shapes[:4])} moves it")
     solver = _Solver(mesh.vertices[moving], targets[:, moving], skeleton, options, moving)
     weights, transforms = solver.solve()
-    whole = np.zeros((len(mesh.vertices), len(skeleton)))
-    whole[:, _anchor(skeleton, options)] = 1.0
+    whole = held_by_idle(len(mesh.vertices), skeleton.matrices(transforms))
     whole[moving] = weights
     skinned = SkinnedMesh(mesh, skeleton, whole)
     return BoneFit(skinned, shapes, transforms, residuals(skinned, shapes, transforms))
-
-
-def _anchor(skeleton: Skeleton, options: FitOptions) -> int:
-    return skeleton.names.index(options.still[0]) if options.still else 0
 
 
 def _check_names(whose: str, kind: str, wanted: Iterable[str], known: Sequence[str]) -> None:

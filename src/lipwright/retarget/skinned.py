@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,15 +11,19 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
+from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
+from lipwright.face.neck import turn_shares
 from lipwright.face.skeleton import Floats, Skeleton
-from lipwright.face.skinning import SkinnedMesh
+from lipwright.face.skinning import MOST_BONES, SkinnedMesh
 from lipwright.face.turning import head_rotations, head_turns
-from lipwright.retarget.bone_weights import solve_weights
+from lipwright.retarget.bone_weights import held_by_idle, solve_weights
 from lipwright.retarget.bones import MOVES_M, shape_targets
 from lipwright.retarget.linear import apply_linear
 from lipwright.rig import LinearMapping, Rig
 from lipwright.rig.values import CHANNELS
+
+BODY: Final = "body"  # the bone, where a rig has it, that stays when the head turns
 
 
 def bone_channels(clip: Clip, rig: Rig) -> Floats:
@@ -37,7 +42,7 @@ def bone_channels(clip: Clip, rig: Rig) -> Floats:
 
 
 def whole_turns(clip: Clip) -> Floats | None:
-    """(T, 3, 3), how a clip turns the whole head about the origin; None where it does not."""
+    """(T, 3, 3), how a clip turns the head; None where it does not."""
     angles = head_turns(clip)
     return None if angles is None else head_rotations(angles)
 
@@ -61,7 +66,8 @@ def shape_transforms(rig: Rig, shapes: Sequence[str]) -> Floats:
 def skin_mesh(mesh: Mesh, rig: Rig) -> SkinnedMesh:
     """A mesh on the bones of a rig, so that they come nearest to its blendshapes.
 
-    What no bone moves follows the first bone.
+    What no bone moves hangs on the last bone that never moves, such as `head`. Where the rig has a
+    bone `body` and the mesh is our head, that holds the shirt, and the neck with the head's bone.
 
     Args:
         mesh: with blendshapes of canonical names, such as the head.
@@ -75,11 +81,22 @@ def skin_mesh(mesh: Mesh, rig: Rig) -> SkinnedMesh:
     skeleton = Skeleton.of(rig.bones)
     targets = shape_targets(mesh, shapes)
     moving = np.flatnonzero(np.abs(targets - mesh.vertices).max(axis=(0, 2)) > MOVES_M)
-    weights = np.zeros((len(mesh.vertices), len(skeleton)))
-    weights[:, 0] = 1.0
+    weights = held_by_idle(len(mesh.vertices), skeleton.matrices(transforms))
     rest, wanted = mesh.vertices[moving], targets[:, moving]
     weights[moving] = solve_weights(rest, wanted, skeleton, transforms)
+    if isinstance(mesh, Head) and BODY in skeleton.names:
+        weights = _with_neck(weights, turn_shares(mesh), skeleton.names.index(BODY))
     return SkinnedMesh(mesh, skeleton, weights)
+
+
+def _with_neck(weights: Floats, shares: npt.NDArray[np.float32], body: int) -> Floats:
+    """The weights (V, B) times how far each vertex turns with the head; the rest is the body's."""
+    shared = weights * shares[:, None]
+    shared[:, body] += 1 - shares
+    crowded = np.flatnonzero(np.count_nonzero(shared, axis=1) > MOST_BONES)
+    least = np.where(shared[crowded] > 0, shared[crowded], np.inf).argmin(axis=1)
+    shared[crowded, least] = 0.0
+    return np.asarray(shared / shared.sum(axis=1, keepdims=True))
 
 
 def _heard(mesh: Mesh, rig: Rig) -> tuple[str, ...]:

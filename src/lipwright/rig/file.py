@@ -28,7 +28,7 @@ VERSION: Final = 1
 
 RIGS: Final = (
     "arkit", "facefx", "smartbody", "oculus", "vrm1", "vrm0", "preston-blair", "rhubarb",
-    "rocketbox", "cc4", "metahuman", "makehuman", "mmd", "live2d",
+    "rocketbox", "cc4", "metahuman", "makehuman", "mmd", "live2d", "bones",
 )  # fmt: skip
 """names of the rigs that ship"""
 
