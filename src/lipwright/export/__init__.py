@@ -106,6 +106,20 @@ EXPORTERS: Final = MappingProxyType({
     ".a2f.json": Exporter(
         "Audio2Face blendshape weights", "lipwright.export.audio2face", rig="arkit"
     ),
+    ".rhubarb.tsv": Exporter("Rhubarb Lip Sync mouth cues", "lipwright.export.rhubarb"),
+    ".rhubarb.xml": Exporter(
+        "Rhubarb Lip Sync mouth cues, as XML", "lipwright.export.rhubarbxml"
+    ),
+    ".rhubarb.json": Exporter(
+        "Rhubarb Lip Sync mouth cues, as JSON", "lipwright.export.rhubarbjson"
+    ),
+    ".dat": Exporter("Moho and OpenToonz switch data", "lipwright.export.moho"),
+    ".pgo": Exporter("Papagayo lip sync", "lipwright.export.papagayo"),
+    ".motion3.json": Exporter("Live2D Cubism motion", "lipwright.export.live2d", rig="live2d"),
+    ".spine.json": Exporter("Spine skeleton with a mouth that switches", "lipwright.export.spine"),
+    ".vmd": Exporter("MikuMikuDance motion", "lipwright.export.vmd", rig="mmd"),
+    ".srt": Exporter("SubRip subtitles of the words", "lipwright.export.subtitles"),
+    ".vtt": Exporter("WebVTT subtitles of the words", "lipwright.export.webvtt"),
     ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True,
                      shows=True),
 })  # fmt: skip
