@@ -12,7 +12,7 @@ from lipwright.face.surface import Surface
 
 Floats = NDArray[np.float64]
 
-CANDIDATES: Final = 24  # triangles whose middles are nearest; one of them is taken as closest
+CANDIDATES: Final = 12  # triangles whose middles are nearest; one of them is taken as closest
 ON_EDGE: Final = 1e-6  # of a barycentric weight
 
 

@@ -24,7 +24,7 @@ from lipwright.face.mesh import Mesh
 from lipwright.face.pairing import find_partners
 from lipwright.face.partners import Partners
 from lipwright.face.surface import Surface, mesh_surface
-from lipwright.face.transfer import best_similarity
+from lipwright.face.transfer import best_similarity, factorised
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ WORN: Final = frozenset(("shirt",))
 # The length under which bends are smoothed away, in spreads of the landmarks (their distance from
 # their middle, about 6 cm), in rounds from stiff to soft; and how often each is repeated.
 STIFFNESS: Final = tuple(np.geomspace(0.8, 0.07, 9))
-REPEATS: Final = 3
+REPEATS: Final = 2
 REACH: Final = (0.8, 0.15)  # spreads: how far the target may be, in the first and the last round
 FACING: Final = 0.5  # cosine between the normals of points that may meet
 LANDMARK_PULL: Final = (0.5, 0.02)  # of a landmark, against the whole skin, first and last round
@@ -168,7 +168,6 @@ class _SkinFit:
 
     def _step(self, moves: Floats, length: float, reach: float, pull: float) -> Floats:
         from scipy.sparse import dia_array
-        from scipy.sparse.linalg import splu
 
         match = self._match(self._rest + moves, reach)
         weights = match.weights * self._mass
@@ -180,7 +179,7 @@ class _SkinFit:
             + each * (self._marks.T @ self._marks)
         )
         right = weights[:, None] * (match.points - self._rest) + each * (self._marks.T @ self._aims)
-        return np.asarray(splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(right))
+        return np.asarray(factorised(system).solve(right))
 
     def closest(self, placed: Floats, reach: float) -> _Matches:
         """Where the visible skin of the placed head meets the target."""

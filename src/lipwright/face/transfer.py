@@ -150,7 +150,7 @@ class _Poisson:
         # The right side adds up to 0 in each piece, so that holding one place costs nothing.
         diagonal = np.zeros(len(target.places))
         diagonal[held] = laplacian.diagonal().max()
-        self._factors = _factorised(laplacian + dia_array((diagonal[None], 0), laplacian.shape))
+        self._factors = factorised(laplacian + dia_array((diagonal[None], 0), laplacian.shape))
 
     def solve(self, turned: Floats) -> Floats:
         """(P, 3) for gradients less the identity, (N, 3, 3)."""
@@ -178,7 +178,7 @@ class _Spread:
         graph = coo_array((np.ones(2 * len(a)), ends), shape=(n, n)).tocsr()[self._alone]
         degree = np.asarray(graph.sum(axis=1)).ravel() + SPREAD_PULL
         inner = dia_array((degree[None], 0), (len(degree),) * 2) - graph[:, self._alone]
-        self._factors = _factorised(inner)
+        self._factors = factorised(inner)
         known = dia_array((usable.astype(float)[None], 0), (n, n))
         self._around = (graph @ known).tocsr()
 
@@ -190,8 +190,8 @@ class _Spread:
         return found.reshape(-1, 3, 3)
 
 
-def _factorised(matrix: Any) -> Any:
-    """The factors of a sparse, symmetric, positive definite matrix."""
+def factorised(matrix: Any) -> Any:
+    """The factors of a sparse, symmetric, positive definite matrix: `solve` divides by it."""
     from scipy.sparse.linalg import splu
 
     return splu(

@@ -1,17 +1,14 @@
-"""Surfaces out of files: Wavefront OBJ, and glTF 2.0 as GLB or .gltf.
+"""Surfaces out of Wavefront OBJ files.
 
-OBJ (the format's published description, "Object Files", Wavefront Advanced Visualizer, appendix
-B1): `v x y z`, `vt u v`, `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, numbered from 1, or
+The format's published description ("Object Files", Wavefront Advanced Visualizer, appendix B1):
+`v x y z`, `vt u v`, and `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, numbered from 1, or
 from the end with negative numbers. Polygons become fans of triangles; groups, materials, lines and
 curves are passed over.
 """
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -19,37 +16,21 @@ import numpy as np
 from lipwright.errors import LipwrightError
 from lipwright.face.surface import Surface
 
+MAX_BYTES: Final = 2**29  # of a file; sculpted heads with millions of faces stay below
 
-def read_surface(path: str | os.PathLike[str], mesh: str | None = None) -> Surface:
-    """The surface in an OBJ, GLB or glTF file, fit for transfer.
 
-    Args:
-        path: the file.
-        mesh: the name of the mesh of a GLB; by default the one with most triangles.
+def read_obj_surface(path: Path) -> Surface:
+    """The whole mesh of an OBJ file.
+
+    Vertices keep the file's numbers, from 0; what seams of the texture split off comes after them.
 
     Raises:
-        LipwrightError: the file cannot be read, or its mesh cannot be used: it is empty, a number
-            is not finite, an edge has more than two triangles, or no triangle has an area.
+        LipwrightError: a line is malformed, or there are no faces.
+        ValueError: the mesh cannot be a surface.
+        OSError: the file cannot be read.
     """
-    path = Path(path)
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise LipwrightError(
-            f"{path}: meshes are read from {', '.join(READERS)}; export one of these"
-        )
-    try:
-        surface = reader(path, mesh)
-        surface.check_usable()
-    except OSError as error:
-        raise LipwrightError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise LipwrightError(f"{path}: {error}; clean the mesh and export it again") from error
-    return surface
-
-
-def _read_obj(path: Path, mesh: str | None) -> Surface:
-    if mesh is not None:
-        raise LipwrightError(f"{path}: an OBJ is read whole; leave out the name of a mesh")
+    if path.stat().st_size > MAX_BYTES:
+        raise LipwrightError(f"{path}: larger than {MAX_BYTES // 2**20} MB; name another file")
     places: list[list[float]] = []
     uvs: list[list[float]] = []
     faces: list[list[tuple[int, int]]] = []
@@ -96,7 +77,6 @@ def _number(text: str, count: int) -> int:
 def _obj_surface(
     places: list[list[float]], uvs: list[list[float]], faces: list[list[tuple[int, int]]]
 ) -> Surface:
-    """Vertices keep the file's numbers; what seams of the texture split off comes after them."""
     drawn: dict[tuple[int, int], int] = {}
     welds = list(range(len(places)))
     uv_of = [-1] * len(places)
@@ -121,15 +101,3 @@ def _obj_surface(
         texture = np.where(numbers[:, None] >= 0, np.array(uvs)[numbers], 0.0).astype(np.float32)
         texture[:, 1] = 1.0 - texture[:, 1]  # OBJ counts from the bottom row upwards
     return Surface(np.array(places)[welds], np.array(triangles), np.array(welds), texture)
-
-
-def _read_gltf(path: Path, mesh: str | None) -> Surface:
-    from lipwright.face.surface_gltf import read_gltf_surface
-
-    return read_gltf_surface(path, mesh).surface
-
-
-READERS: Final = MappingProxyType[str, Callable[[Path, str | None], Surface]](
-    {".obj": _read_obj, ".glb": _read_gltf, ".gltf": _read_gltf}
-)
-"""suffix to reader"""
