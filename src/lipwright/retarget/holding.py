@@ -12,7 +12,8 @@ def cheapest_labels(costs: npt.ArrayLike, hold: int, switch: float) -> npt.NDArr
     """(T,) the label of each step: least sum of costs and switches, none shown too briefly.
 
     Viterbi's algorithm over (steps, label). A label that starts is held for `hold` steps, so that a
-    state is reached by holding on, or by a switch `hold` steps before.
+    state is reached by holding on, or by a switch `hold` steps before. Those depend on nothing of
+    the last `hold` steps, so that as many are found at a time.
 
     Args:
         costs: (T, S), of showing each label at each step; finite.
@@ -29,28 +30,31 @@ def cheapest_labels(costs: npt.ArrayLike, hold: int, switch: float) -> npt.NDArr
     if steps < 2 * hold or labels == 1:
         return np.full(steps, costs.sum(axis=0).argmin())
     summed = np.concatenate([np.zeros((1, labels)), costs.cumsum(axis=0)])
-    entering = summed[hold:] - summed[:-hold] + switch  # (T - hold + 1, S), the first `hold` steps
-    best = np.full((steps + 1, labels), np.inf)  # after t steps, the last `hold` of them the same
+    # What the best way to a label costs more than if that label had shown all along; after t steps,
+    # of which the last `hold` showed it.
+    more = np.zeros((steps + 1, labels))
     came = np.full((steps + 1, labels), -1)  # the label before, -1 where it was held
-    best[hold] = summed[hold]
-    for step in range(hold + 1, steps + 1):
-        held = best[step - 1] + costs[step - 1]
-        if step < 2 * hold:
-            best[step] = held
-            continue
-        before = best[step - hold]
-        first = before.argmin()
-        entered = entering[step - hold] + before[first]
-        others = before.copy()
-        others[first] = np.inf
-        second = others.argmin()
-        entered[first] = entering[step - hold, first] + before[second]  # from another label
-        switched = entered < held
-        best[step] = np.where(switched, entered, held)
-        came[step, switched] = first
-        if switched[first]:
-            came[step, first] = second
-    return _trace(best[steps], came, hold)
+    for first in range(2 * hold, steps + 1, hold):
+        stop = min(first + hold, steps + 1)
+        shown = summed[first - hold : stop - hold]
+        before, spent = _cheapest_others(more[first - hold : stop - hold] + shown)
+        ways = np.concatenate([more[first - 1 : first], spent - shown + switch])
+        least = np.minimum.accumulate(ways)
+        more[first:stop] = least[1:]
+        came[first:stop] = np.where(least[1:] < least[:-1], before, -1)
+    return _trace(more[steps] + summed[steps], came, hold)
+
+
+def _cheapest_others(costs: Floats) -> tuple[npt.NDArray[np.int64], Floats]:
+    """(n, S) the cheapest label other than each, and its cost, of costs (n, S)."""
+    rows = np.arange(len(costs))
+    best = costs.argmin(axis=1)
+    rest = costs.copy()
+    rest[rows, best] = np.inf
+    second = rest.argmin(axis=1)
+    labels = np.tile(best[:, None], costs.shape[1])
+    labels[rows, best] = second
+    return labels, np.take_along_axis(costs, labels, axis=1)
 
 
 def _trace(ends: Floats, came: npt.NDArray[np.int64], hold: int) -> npt.NDArray[np.int64]:
