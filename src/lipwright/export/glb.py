@@ -94,10 +94,10 @@ def mesh_to_glb(
     """
     store = Store()
     document = store.document
-    document |= {"asset": _asset(mesh, clip, sound), "scene": 0}
+    document |= {"asset": asset_of(mesh, clip.fps, sound), "scene": 0}
     document["scenes"] = [{"nodes": [0], "name": "scene"}]
     document["nodes"] = [{"mesh": 0, "name": mesh.name}]
-    image = store.view(encode_png(mesh.texture))
+    add_looks(store, mesh)
     turned = _turned_normals(mesh)
     document["meshes"] = [
         {
@@ -110,10 +110,6 @@ def mesh_to_glb(
             "extras": {"targetNames": list(mesh.shape_names)},
         }
     ]
-    document["materials"] = [_material(part) for part in mesh.parts]
-    document["textures"] = [{"sampler": 0, "source": 0}]
-    document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
-    document["images"] = [{"bufferView": image, "mimeType": "image/png", "name": "skin"}]
     animation = Animation(store, name, clip.fps, keys)
     animation.animate(0, "weights", clip.select(mesh.shape_names).values)
     turns = head_turns(clip)
@@ -122,14 +118,15 @@ def mesh_to_glb(
     return store.to_glb()
 
 
-def _asset(mesh: Mesh, clip: Clip, sound: str | None) -> Json:
+def asset_of(mesh: Mesh, fps: float, sound: str | None = None) -> Json:
+    """The document's `asset`: who made the mesh, on which terms, and with what sound it goes."""
     from importlib.metadata import version
 
     own = version("lipwright")
     extras = {
         "lipwright": own,
         mesh.name: f"{mesh.source}, {mesh.license}",
-        "fps": clip.fps,
+        "fps": fps,
     }
     if sound is not None:
         extras["sound"] = sound
@@ -139,6 +136,16 @@ def _asset(mesh: Mesh, clip: Clip, sound: str | None) -> Json:
         "copyright": f"{mesh.name.capitalize()}: {mesh.license}",
         "extras": extras,
     }
+
+
+def add_looks(store: Store, mesh: Mesh) -> None:
+    """Add the texture of a mesh, and a material for each of its parts."""
+    document = store.document
+    image = store.view(encode_png(mesh.texture))
+    document["materials"] = [_material(part) for part in mesh.parts]
+    document["textures"] = [{"sampler": 0, "source": 0}]
+    document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
+    document["images"] = [{"bufferView": image, "mimeType": "image/png", "name": "skin"}]
 
 
 def _material(part: Part) -> Json:
