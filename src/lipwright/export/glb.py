@@ -186,6 +186,12 @@ def _primitive(
                 "NORMAL": store.sparse(turning, own[turning], count),
             }
         )
+    return {**primitive_at_rest(store, mesh, part, index), "targets": targets}
+
+
+def primitive_at_rest(store: Store, mesh: Mesh, part: Part, index: int) -> Json:
+    """One part of the mesh without its blendshapes, in the material of that index."""
+    run = part.vertices
     triangles = (mesh.triangles[part.triangles] - run.start).astype(np.uint32)
     return {
         "attributes": {
@@ -196,7 +202,6 @@ def _primitive(
         },
         "indices": store.accessor(triangles.ravel(), "SCALAR", INDICES),
         "material": index,
-        "targets": targets,
     }
 
 
