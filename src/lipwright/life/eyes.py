@@ -26,6 +26,7 @@ LATE: Final = 0.2  # s after that end by which it begins: "at the end and during
 # 47 % faster (Sforza et al. 2008, Ophthalmic and Physiological Optics 28).
 CLOSING: Final = (0.07, 0.1)  # s
 CLOSED: Final = (0.02, 0.05)  # s; at least a frame and a half, or no frame would show it
+LONGEST: Final = 0.2  # s; where frames are farther apart some blinks fall between them
 OPENING: Final = (0.13, 0.22)  # s
 CHEEK: Final = 0.15  # eyeSquint at full closure: the lower lid comes to meet the upper one
 DIP: Final = 1.5  # degrees that the eyes sink and rise again behind the lid
@@ -74,7 +75,7 @@ def plan_blinks(
             low + share * (high - low)
             for share, (low, high) in zip(parts, (CLOSING, CLOSED, OPENING), strict=True)
         )
-        shape = (closing, max(closed, 1.5 / fps), opening)
+        shape = (closing, max(closed, min(1.5 / fps, LONGEST)), opening)
         if begin + sum(shape) > duration:
             return blinks
         blinks.append(Blink(begin, shape))

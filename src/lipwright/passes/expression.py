@@ -11,7 +11,7 @@ import numpy as np
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, GROUPS, HEAD_ANGLES, both_sides
 from lipwright.errors import LipwrightError
-from lipwright.passes.kinds import Floats, Pass
+from lipwright.passes.kinds import Floats, Pass, sides_of
 from lipwright.passes.openings import OPENINGS, gaps, lips_held, shut_again
 from lipwright.passes.resting import speech_share
 from lipwright.track import PhoneTrack
@@ -63,6 +63,11 @@ def expression(layer: Clip | Mapping[str, float], amount: float = 1.0) -> Pass:
     def show(clip: Clip, track: PhoneTrack) -> Clip:
         if amount == 0:
             return clip
+        if not set(clip.names) & set(CANONICAL):
+            raise LipwrightError(
+                "an expression moves canonical controls, and this clip has none; lay it over "
+                "speech before retargeting"
+            )
         clip = _with_columns(clip, moving.names)
         speech = clip.values.astype(np.float64)
         added = np.zeros_like(speech)
@@ -82,8 +87,7 @@ def pose_clip(pose: Mapping[str, float]) -> Clip:
     """
     weights: dict[str, float] = {}
     for name, weight in pose.items():
-        sides = both_sides(name)
-        _check_names(sides if set(sides) <= set(CANONICAL) else (name,))
+        _check_names(sides := sides_of(name) or (name,))
         if not (math.isfinite(weight) and 0 <= weight <= 1):
             raise LipwrightError(
                 f"the expression's {name} is {weight:g}; give a weight from 0 to 1"

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from lipwright.clip import Clip
-from lipwright.controls import CANONICAL, GROUPS, both_sides
+from lipwright.controls import CANONICAL, GROUPS
 from lipwright.errors import LipwrightError
-from lipwright.passes.kinds import Floats, Pass, ease
+from lipwright.passes.kinds import Floats, Pass, ease, sides_of
 from lipwright.passes.shaping import CEILING_KNEE, MAX_INTENSITY, soft_ceiling
 from lipwright.phones import COMMON, MANNERS, PHONES, PLACES, Phone
 from lipwright.track import PhoneTrack
@@ -40,10 +40,7 @@ def controls_of(name: str) -> tuple[str, ...]:
 
     None where the name is neither.
     """
-    if name in GROUPS:
-        return GROUPS[name]
-    names = both_sides(name)
-    return names if set(names) <= set(CANONICAL) else ()
+    return GROUPS[name] if name in GROUPS else sides_of(name)
 
 
 def intensities(amounts: Mapping[str, float]) -> Pass:

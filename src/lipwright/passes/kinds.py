@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import Clip
+from lipwright.controls import CANONICAL, both_sides
 from lipwright.track import PhoneTrack
 
 Floats = npt.NDArray[np.float64]
@@ -31,3 +32,15 @@ def ease(x: npt.ArrayLike) -> Floats:
     Values of the shape of `x`, from 0 (for x at or below 0) to 1 (for x at or above 1).
     """
     return np.interp(np.asarray(x, np.float64), *_EASE)
+
+
+def sides_of(name: str) -> tuple[str, ...]:
+    """The canonical controls of a name with or without its side; none where there are none.
+
+    `mouth` is no control without a side: mouthLeft moves the whole mouth to the left.
+    """
+    names = both_sides(name)
+    return names if set(names) <= set(CANONICAL) - (_DIRECTIONS - {name}) else ()
+
+
+_DIRECTIONS = frozenset(f"{part}{side}" for part in ("jaw", "mouth") for side in ("Left", "Right"))
