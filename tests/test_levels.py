@@ -31,6 +31,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("network", "bigrams"),
             ("engines",),
             ("passes",),
+            ("life", "expressions"),
             ("rig",),
             ("retarget",),
             ("export",),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from lipwright.audio import AudioFile, open_audio
 from lipwright.clip import MAX_FPS, Clip
-from lipwright.controls import CANONICAL
+from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.engines import (
     OF_BIGRAMS,
     choose_engine,
@@ -36,6 +36,7 @@ from lipwright.passes import (
     learnt_passes,
     limit,
 )
+from lipwright.retarget import retarget
 from lipwright.rig import Rig, canonical_rig, load_rig
 from lipwright.speech import Alignment, align
 from lipwright.track import PhoneTrack
@@ -83,6 +84,9 @@ class AnimateOptions:
     """frames a second, 0.1 to 1000"""
     intensity: float = 1.0
     """0.5 mumbles, 1.5 over-articulates"""
+    rig: str | Path | Rig | None = None
+    """whom the curves move: the name of a rig that ships, a rig's file, or a rig; by default
+    canonical controls stay"""
     passes: tuple[Pass, ...] | None = None
     """instead of the default passes; then `intensity` is not used"""
 
@@ -122,8 +126,17 @@ class AnimateOptions:
 
         return open_set(model)
 
+    @cached_property
+    def target(self) -> Rig | None:
+        """The rig that the curves are retargeted to; None for none.
+
+        Raises:
+            LipwrightError: it cannot be used.
+        """
+        return self.rig if self.rig is None or isinstance(self.rig, Rig) else load_rig(self.rig)
+
     def controls(self) -> tuple[str, ...]:
-        """The controls of the clips that this makes.
+        """The controls of the clips that `animate_track` makes.
 
         Canonical ones, or modes of a reference face, or poses of a creature.
 
@@ -235,7 +248,7 @@ def align_speech(
 
 def moves_heads(names: Iterable[str]) -> bool:
     """Whether controls are canonical ones, which heads have, rather than modes of one speaker."""
-    return set(names) <= set(CANONICAL)
+    return set(names) <= {*CANONICAL, *HEAD_ANGLES}
 
 
 def animate_track(
@@ -294,6 +307,7 @@ def animate(
     if (text is None) == (phones is None):
         raise LipwrightError("give either the words (text) or the phones of the recording")
     options = options or AnimateOptions()
+    rig = options.target  # before the work is done
     report("read", 0.0)
     with open_audio(speech, ALIGNMENT_RATE) as sound:
         report("read", 1.0)
@@ -309,5 +323,7 @@ def animate(
             track = read_track(phones, duration=sound.duration)
         report("animate", 0.0)
         clip = animate_track(track, options, sound)
+        if rig is not None:
+            clip = retarget(clip, rig, track)
         report("animate", 1.0)
-    return Result(Performance(clip, track, speech), found)
+    return Result(Performance(clip, track, speech, rig), found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from lipwright.cli import (
+    aligning,
     animating,
     bigram_fitting,
     bigram_tools,
@@ -30,7 +31,7 @@ def app() -> None:
 
 
 app.add_command(animating.animate)
-app.add_command(animating.align)
+app.add_command(aligning.align)
 app.add_command(capturing.capture)
 app.add_command(datasets.dataset)
 app.add_command(faces.face)

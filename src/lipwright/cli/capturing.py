@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lipwright.cli.animating import dictionary_option, language_option
+from lipwright.cli.aligning import dictionary_option, language_option
 from lipwright.cli.progress import keeps, progress_option, progress_report, say, warn
 
 if TYPE_CHECKING:
