@@ -127,8 +127,10 @@ def choose_shapes(
     steps = max(1, round(clip.duration / STEP + 0.499))
     middles = np.asarray((np.arange(steps) + 0.5) * STEP, np.float64)
     seen = _seen_at(clip, middles)
-    quiet = _quiet_steps(seen[:, 0] < SHUT, track, middles)
-    closures = _closures(clip, quiet, track)
+    pauses, closures = _pauses_and_closures(clip, track)
+    quiet = np.zeros(steps, bool)
+    for start, end in pauses:
+        quiet |= (middles >= start) & (middles < end)
     seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
     costs = ((_scaled(seen)[:, None] - _scaled(looks)) ** 2).sum(axis=2)  # (T, S)
     rest, shut = _rest_and_shut(names, looks)
@@ -136,8 +138,9 @@ def choose_shapes(
     for label in set(shut) - {rest}:
         costs[quiet, label] += UNFIT
     others = [label for label in range(len(names)) if label not in shut]
+    tightest = np.minimum((np.array(closures) / STEP + 1e-6).astype(int), steps - 1)
     for label in others:
-        costs[closures, label] = FORBIDDEN
+        costs[tightest, label] = FORBIDDEN
     labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
     return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
 
@@ -243,40 +246,37 @@ def _rest_and_shut(names: tuple[str, ...], looks: Floats) -> tuple[int, list[int
     return rest, [rest if closed[rest] else int(looks[:, 0].argmin())]
 
 
-def _quiet_steps(
-    shut: npt.NDArray[np.bool_], track: PhoneTrack | None, middles: Floats
-) -> npt.NDArray[np.bool_]:
-    """(T,), where nobody speaks."""
-    quiet = np.zeros(len(middles), bool)
-    if track is None:
-        for first, stop in _spans(shut):
-            quiet[first:stop] = (stop - first) * STEP >= QUIET
-        return quiet
-    quiet |= (middles < track.start) | (middles >= track.end)
-    for phone, start, end in track:
-        if phone == SILENCE and end - start >= PAUSE:
-            quiet |= (middles >= start) & (middles < end)
-    return quiet
-
-
-def _closures(clip: Clip, quiet: npt.NDArray[np.bool_], track: PhoneTrack | None) -> list[int]:
-    """The steps at which the mouth has to be shut: where each closure is tightest."""
-    # The steps miss a frame between them that alone is shut, so that frames are looked at too.
-    times = np.union1d(clip.times, (np.arange(len(quiet)) + 0.5) * STEP)
+def _pauses_and_closures(
+    clip: Clip, track: PhoneTrack | None
+) -> tuple[list[tuple[float, float]], list[float]]:
+    """Start and end in s of where nobody speaks, and the times in s at which lips have to meet."""
+    # Steps miss a frame between them that alone is shut, and frames the edges of phones.
+    times = np.union1d(clip.times, np.arange(0, clip.duration, STEP))
     apertures = _seen_at(clip, times)[:, 0].clip(min=0)
-    steps = np.minimum((times / STEP + 1e-6).astype(int), len(quiet) - 1)
     if track is None:
-        spans = _spans((apertures < SHUT) & ~quiet[steps])
+        spans = _spans(apertures < SHUT)
+        lasting = [(float(times[first]), float(times[stop - 1])) for first, stop in spans]
+        pauses = [(start, end) for start, end in lasting if end - start >= QUIET]
+        spoken = [span for span, shut in zip(spans, lasting, strict=True) if shut not in pauses]
     else:
-        spoken = [(start, end) for phone, start, end in track if phone in BILABIALS]
-        spans = [tuple(np.searchsorted(times, span)) for span in spoken]
-    found = []
-    for first, stop in spans:
-        part = apertures[first:stop]
-        if len(part) and part.min() < SHUT:
-            tightest = np.flatnonzero(part == part.min())
-            found.append(int(steps[first + tightest[len(tightest) // 2]]))
-    return found
+        pauses = [(0.0, track.start), (track.end, np.inf)]
+        pauses += [
+            (start, end) for phone, start, end in track
+            if phone == SILENCE and end - start >= PAUSE
+        ]  # fmt: skip
+        labials = [(start, end) for phone, start, end in track if phone in BILABIALS]
+        spoken = [(int(first), int(stop)) for first, stop in np.searchsorted(times, labials)]
+    return pauses, [
+        float(times[first + _tightest(apertures[first:stop])])
+        for first, stop in spoken
+        if apertures[first:stop].min(initial=np.inf) < SHUT
+    ]
+
+
+def _tightest(apertures: Floats) -> int:
+    """The middle of where an aperture is least."""
+    least = np.flatnonzero(apertures == apertures.min())
+    return int(least[len(least) // 2])
 
 
 def _spans(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
