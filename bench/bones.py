@@ -57,6 +57,12 @@ BONES = (
 # The head turns by the clip's headYaw, headPitch and headRoll, not by controls of its own.
 STILL = ("body", "head")
 CHIN = (0.0, -0.060, 0.100)  # m, what the jaw carries
+# What an artist expects: the jaw moves for the jaw, the tongue for itself and to lie in the jaw.
+FOLLOWS = {
+    "jaw": GROUPS["jaw"],
+    "tongue_back": (*GROUPS["jaw"], *GROUPS["tongue"]),
+    "tongue_front": (*GROUPS["jaw"], *GROUPS["tongue"]),
+}
 SHAPES = (*GROUPS["jaw"], *GROUPS["lips"], "cheekPuff", *GROUPS["tongue"])
 
 # The lips count most: a gap of a millimetre there is an open mouth.
@@ -110,6 +116,7 @@ def make_rig(head: Head) -> Rig:
     options = FitOptions(
         still=STILL,
         grips={"jaw": CHIN},
+        follows=FOLLOWS,
         rounds=ROUNDS,
         ridge=RIDGE,
         importance=1 + LIP_COUNT * np.exp(-0.5 * far**2),

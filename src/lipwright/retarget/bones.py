@@ -9,11 +9,11 @@ Gauss and Newton, instead of one bone after the other.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import NDArray
 
 from lipwright.errors import LipwrightError
 from lipwright.face.mesh import Mesh
@@ -44,13 +44,15 @@ class FitOptions:
 
     still: tuple[str, ...] = ()
     """bones that do not move; the last of them holds the rest of the face"""
-    grips: Mapping[str, tuple[float, float, float]] | None = None
+    grips: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """bone to the middle of what it carries, m; where it is, for bones that are left out"""
+    follows: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """bone to the only blendshapes that move it; all do, for bones that are left out"""
     rounds: int = 12
     """of weights and transforms"""
     ridge: float = 1e-3
     """how firmly the bones keep to rest: a share of what their vertices weigh"""
-    importance: npt.NDArray[np.floating] | None = None
+    importance: NDArray[np.floating] | None = None
     """(V,) how much each vertex counts; 1 by default"""
 
 
@@ -88,12 +90,15 @@ def fit_bones(
     skeleton = Skeleton.of(bones)
     shapes = tuple(mesh.shape_names if shapes is None else shapes)
     _check_names(mesh.name, "blendshape", shapes, mesh.shape_names)
-    _check_names("the skeleton", "bone", (*options.still, *(options.grips or {})), skeleton.names)
+    named = (*options.still, *options.grips, *options.follows)
+    _check_names("the skeleton", "bone", named, skeleton.names)
     targets = shape_targets(mesh, shapes)
     moving = np.flatnonzero(np.abs(targets - mesh.vertices).max(axis=(0, 2)) > MOVES_M)
     if not len(moving):
         raise LipwrightError(f"the {mesh.name}: none of {', '.join(shapes[:4])} moves it")
-    solver = _Solver(mesh.vertices[moving], targets[:, moving], skeleton, options, moving)
+    free = _free(skeleton, shapes, options)
+    counts = np.ones(len(moving)) if options.importance is None else options.importance[moving]
+    solver = _Solver(mesh.vertices[moving], targets[:, moving], skeleton, options, free, counts)
     weights, transforms = solver.solve()
     whole = held_by_idle(len(mesh.vertices), skeleton.matrices(transforms))
     whole[moving] = weights
@@ -108,6 +113,16 @@ def _check_names(whose: str, kind: str, wanted: Iterable[str], known: Sequence[s
                 f"{whose} has no {kind} {name!r}; it has {', '.join(known[:8])}"
                 + (", ..." if len(known) > 8 else "")
             )
+
+
+def _free(skeleton: Skeleton, shapes: Sequence[str], options: FitOptions) -> NDArray[np.bool_]:
+    """(C, 6 B), which channels each blendshape may move."""
+    moves = [
+        [name not in options.still and shape in options.follows.get(name, shapes)
+         for name in skeleton.names]
+        for shape in shapes
+    ]  # fmt: skip
+    return np.repeat(np.array(moves), CHANNEL_COUNT, axis=1)
 
 
 def shape_targets(mesh: Mesh, shapes: Sequence[str]) -> Floats:
@@ -143,20 +158,19 @@ class _Solver:
 
     def __init__(
         self,
-        rest: npt.NDArray[np.float32],
+        rest: NDArray[np.float32],
         targets: Floats,
         skeleton: Skeleton,
         options: FitOptions,
-        moving: npt.NDArray[np.intp],
+        free: NDArray[np.bool_],
+        importance: NDArray[np.floating],
     ) -> None:
         self._rest = rest.astype(np.float64)
         self._targets = targets
         self._skeleton = skeleton
         self._options = options
-        free = [name not in options.still for name in skeleton.names]
-        self._free = np.repeat(free, CHANNEL_COUNT)
-        given = options.importance
-        self._importance = np.ones(len(rest)) if given is None else np.asarray(given)[moving]
+        self._free = free
+        self._importance = importance
 
     def solve(self) -> tuple[Floats, Floats]:
         """Weights (M, B) and transforms (C, B, 6)."""
@@ -170,9 +184,9 @@ class _Solver:
     def _grip(self) -> tuple[Floats, Floats]:
         """At first each vertex follows the bone whose grip is nearest, and counts if it is near."""
         grips = self._skeleton.at.copy()
-        for name, place in (self._options.grips or {}).items():
+        for name, place in self._options.grips.items():
             grips[self._skeleton.names.index(name)] = place
-        movers = np.flatnonzero(self._free[::CHANNEL_COUNT])
+        movers = np.flatnonzero(self._free[:, ::CHANNEL_COUNT].any(axis=0))
         far = np.linalg.norm(self._rest[:, None] - grips[movers], axis=-1)
         between = np.linalg.norm(grips[movers][:, None] - grips[movers], axis=-1)
         np.fill_diagonal(between, np.inf)
@@ -191,7 +205,9 @@ class _Solver:
         solved = start.copy()
         for index, target in enumerate(self._targets):
             for _ in range(STEPS):
-                solved[index] += self._step(basis, target, counts, ridge, solved[index])
+                solved[index] += self._step(
+                    basis, target, counts, ridge, solved[index], self._free[index]
+                )
         return solved
 
     def _ridge(self, weights: Floats, counts: Floats) -> Floats:
@@ -206,20 +222,26 @@ class _Solver:
         )
 
     def _step(
-        self, basis: Floats, target: Floats, counts: Floats, ridge: Floats, pose: Floats
+        self,
+        basis: Floats,
+        target: Floats,
+        counts: Floats,
+        ridge: Floats,
+        pose: Floats,
+        free: NDArray[np.bool_],
     ) -> Floats:
         """(B, 6), one step of Gauss and Newton from the channels `pose` (B, 6)."""
-        slopes = self._slopes(pose)[self._free]  # (n, B, 3, 4)
+        slopes = self._slopes(pose)[free]  # (n, B, 3, 4)
         flat = np.moveaxis(slopes, (0, 1, 3, 2), (3, 0, 1, 2)).reshape(basis.shape[1], -1)
         jacobian = (basis @ flat).reshape(3 * len(basis), -1)
         matrices = self._skeleton.matrices(pose)
         error = target - basis @ np.moveaxis(matrices, 1, 2).reshape(-1, 3)
         weighted = jacobian * np.repeat(counts, 3)[:, None]
-        own = ridge[self._free]
+        own = ridge[free]
         system = weighted.T @ jacobian + np.diag(own)
-        side = weighted.T @ error.ravel() - own * pose.ravel()[self._free]
+        side = weighted.T @ error.ravel() - own * pose.ravel()[free]
         step = np.zeros(pose.size)
-        step[self._free] = np.linalg.solve(system, side)
+        step[free] = np.linalg.solve(system, side)
         return step.reshape(pose.shape)
 
     def _slopes(self, pose: Floats) -> Floats:
