@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -23,7 +23,7 @@ from lipwright.engines import (
     get_engine,
 )
 from lipwright.errors import LipwrightError
-from lipwright.export.performance import Performance
+from lipwright.export import Performance, read_clip, read_performance_json
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
@@ -98,10 +98,7 @@ class AnimateOptions:
                 f"--bigrams is for the engine {OF_BIGRAMS}, not for {other}; leave one of them out"
             )
         choose_engine(*self.runs)
-        if not MIN_FPS <= self.fps <= MAX_FPS:
-            raise LipwrightError(
-                f"fps is {self.fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}"
-            )
+        _check_fps(self.fps)
         if self.passes is None:
             default_passes(self.intensity)  # refuses what it cannot use
 
@@ -164,6 +161,11 @@ class AnimateOptions:
         if not phones:
             return tuple(default_passes(self.intensity))
         return tuple(learnt_passes(self.intensity, phones, controls))
+
+
+def _check_fps(fps: float) -> None:
+    if not MIN_FPS <= fps <= MAX_FPS:
+        raise LipwrightError(f"fps is {fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}")
 
 
 def rig_of(bigrams: BigramSet) -> Rig:
@@ -323,7 +325,58 @@ def animate(
             track = read_track(phones, duration=sound.duration)
         report("animate", 0.0)
         clip = animate_track(track, options, sound)
-        if rig is not None:
-            clip = retarget(clip, rig, track)
+        performance = for_rig(Performance(clip, track, speech), rig)
         report("animate", 1.0)
-    return Result(Performance(clip, track, speech, rig), found)
+    return Result(performance, found)
+
+
+def read_performance(
+    path: PathLike,
+    *,
+    audio: PathLike | None = None,
+    phones: PathLike | None = None,
+    rig: str | Path | Rig | None = None,
+    fps: float | None = None,
+) -> Performance:
+    """Curves of a file, with what is known beside them.
+
+    Args:
+        path: a clip in a format that can be read back; our JSON may have its phones.
+        audio: their sound.
+        phones: a file of their phones; then those of the clip's file are not used.
+        rig: whose controls they are; None for canonical ones.
+        fps: frames a second; None for those of the file.
+
+    Raises:
+        LipwrightError: a file or rig cannot be used, or the curves are none of the rig's.
+    """
+    ours = str(path).endswith(".json")
+    found = read_performance_json(path) if ours else Performance(read_clip(path))
+    clip = found.clip
+    if fps is not None and fps != clip.fps:
+        _check_fps(fps)
+        clip = clip.resample(fps)
+    track = found.track if phones is None else read_track(phones)
+    known = rig if rig is None or isinstance(rig, Rig) else load_rig(rig)
+    if known is not None and not set(clip.names) & set(known.names):
+        raise LipwrightError(
+            f"{path}: has none of the controls of the rig {known.name!r}, such as "
+            f"{', '.join(known.names[:3])}; it has {', '.join(clip.names[:3])}"
+        )
+    return Performance(clip, track, audio, known)
+
+
+def for_rig(performance: Performance, rig: Rig | None) -> Performance:
+    """The performance in the controls of a rig; as it is without one.
+
+    Curves of another rig go by what that looks like on a human face.
+
+    Raises:
+        LipwrightError: the curves cannot move the rig.
+    """
+    own, clip = performance.rig, performance.clip
+    if rig is None or (own is not None and own.name == rig.name):
+        return performance
+    if own is not None and own.looks:
+        clip = own.to_canonical(clip)
+    return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)

@@ -11,6 +11,7 @@ from lipwright.cli import (
     bigram_tools,
     bigrams,
     capturing,
+    converting,
     datasets,
     faces,
     heads,
@@ -32,6 +33,7 @@ def app() -> None:
 
 app.add_command(animating.animate)
 app.add_command(aligning.align)
+app.add_command(converting.convert)
 app.add_command(capturing.capture)
 app.add_command(datasets.dataset)
 app.add_command(faces.face)
