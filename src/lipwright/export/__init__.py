@@ -118,6 +118,10 @@ EXPORTERS: Final = MappingProxyType({
     ".motion3.json": Exporter("Live2D Cubism motion", "lipwright.export.live2d", rig="live2d"),
     ".spine.json": Exporter("Spine skeleton with a mouth that switches", "lipwright.export.spine"),
     ".vmd": Exporter("MikuMikuDance motion", "lipwright.export.vmd", rig="mmd"),
+    ".bones.csv": Exporter(
+        "table of bones: places and turns", "lipwright.export.bone_csv", rig="bones"
+    ),
+    ".bvh": Exporter("BVH skeleton and motion", "lipwright.export.bvh", rig="bones"),
     ".srt": Exporter("SubRip subtitles of the words", "lipwright.export.subtitles"),
     ".vtt": Exporter("WebVTT subtitles of the words", "lipwright.export.webvtt"),
     ".mp4": Exporter("video of the head with sound", "lipwright.export.mp4", prepares=True,
