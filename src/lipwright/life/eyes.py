@@ -94,8 +94,9 @@ def gaze_degrees(times: Floats, random: np.random.Generator) -> tuple[Floats, Fl
     """(T,) and (T,), where the eyes look to the own left and up, degrees, in small glances."""
     duration = float(times[-1]) + 1
     count = int(duration / STILL) + 2  # more cannot be
-    draws = random.standard_normal((count, 2)).clip(-FARTHEST, FARTHEST)
-    waits = STILL + random.exponential(GLANCES - STILL, count)
+    where, when = random.spawn(2)  # so that longer times give the same beginning
+    draws = where.standard_normal((count, 2)).clip(-FARTHEST, FARTHEST)
+    waits = STILL + when.exponential(GLANCES - STILL, count)
     starts = np.concatenate([[0.0], np.cumsum(waits)])[: count + 1]
     used = int(np.searchsorted(starts, duration)) + 1
     knots = np.stack([starts[:used], starts[:used] + FLIGHT], axis=1).ravel()[1:-1]
