@@ -97,6 +97,7 @@ EXPORTERS: Final = MappingProxyType({
         "animated head, with its sound beside it as WAV", "lipwright.export.glb", reads=True,
         prepares=True, shows=True,
     ),
+    ".vrma": Exporter("VRM animation: expressions and head", "lipwright.export.vrma", rig="vrm1"),
     ".anim": Exporter("Unity animation clip", "lipwright.export.unity"),
     ".tres": Exporter("Godot 4 animation", "lipwright.export.godot"),
     ".unreal.csv": Exporter("Unreal curve table", "lipwright.export.unreal"),

@@ -34,7 +34,7 @@ from lipwright.export.gltf_store import Store
 from lipwright.export.performance import ExportOptions, Performance
 from lipwright.export.vrm import Bind, faces_back
 from lipwright.face.turning import head_quaternions, head_turns
-from lipwright.retarget import retarget
+from lipwright.retarget import is_retargetable, retarget
 from lipwright.rig import load_rig
 from lipwright.rig.file import RIGS
 
@@ -105,11 +105,12 @@ def animated(
 
 def _in_its_controls(performance: Performance, character: Character) -> Clip:
     clip = performance.clip
-    if performance.rig is None and set(clip.names) & set(CANONICAL):
-        name = _rig_of(character)
-        if name is not None and name != OWN_RIG:
-            return retarget(clip, load_rig(name), performance.track)
-    return clip
+    if performance.rig is not None or not is_retargetable(clip):
+        return clip
+    name = _rig_of(character)
+    if name is None or (name == OWN_RIG and set(clip.names) & set(CANONICAL)):
+        return clip
+    return retarget(clip, load_rig(name), performance.track)
 
 
 def _make(
