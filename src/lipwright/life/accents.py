@@ -68,9 +68,10 @@ def find_accents(track: PhoneTrack, voice: Voice | None = None) -> list[Accent]:
         for index in range(word.first, word.stop)
     }
     found: list[Accent] = []
+    durations = track.durations
     for _, _, first, stop in _runs(track):
         vowels = [i for i in range(first, stop) if PHONES[track.phones[i]].is_vowel]
-        scores = _scores(track, vowels, voice)
+        scores = _scores(track, durations, vowels, voice)
         best: dict[int, int] = {}
         for place, index in enumerate(vowels):
             word = word_of.get(index, -1 - index)
@@ -98,11 +99,13 @@ def _runs(track: PhoneTrack) -> Iterator[tuple[float, float, int, int]]:
             yield float(track.edges[begin]), float(track.edges[end]), begin, end
 
 
-def _scores(track: PhoneTrack, vowels: list[int], voice: Voice | None) -> list[float]:
+def _scores(
+    track: PhoneTrack, durations: Floats, vowels: list[int], voice: Voice | None
+) -> list[float]:
     """How much each vowel of a phrase stands out, around 0, of the order of 1."""
     if not vowels:
         return []
-    lengths = track.durations[vowels]
+    lengths = durations[vowels]
     terms = [np.log2(lengths / np.median(lengths)) / LENGTH_SPREAD]
     stress = [track.stress[i] for i in vowels]
     if any(s is not None for s in stress):
