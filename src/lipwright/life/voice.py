@@ -45,11 +45,13 @@ def hear_voice(sound: Sound) -> Voice:
     level = level_db(sound, STEP).astype(np.float64)
     if not len(level):
         return Voice(level, np.zeros(0))
-    pitch = np.concatenate([_pitches(block, rate) for block, rate in _blocks(sound)])
-    whole = np.full(len(level), np.nan)
-    whole[: len(pitch)] = pitch[: len(level)]
-    whole[level < level.max() - QUIET] = np.nan
-    return Voice(level, whole)
+    heard = level >= level.max() - QUIET
+    frames = round(BLOCK / STEP)
+    pitch = np.full(len(level), np.nan)
+    for index, (block, rate) in enumerate(_blocks(sound)):
+        wanted = np.flatnonzero(heard[index * frames : (index + 1) * frames])
+        pitch[index * frames + wanted] = _pitches(block, rate, wanted)
+    return Voice(level, pitch)
 
 
 def _blocks(sound: Sound) -> Iterator[tuple[Floats, float]]:
@@ -62,13 +64,14 @@ def _blocks(sound: Sound) -> Iterator[tuple[Floats, float]]:
         yield samples.astype(np.float64), piece.rate / every
 
 
-def _pitches(samples: Floats, rate: float) -> Floats:
-    """(N,), the pitch of each frame by its autocorrelation, semitones; NaN where it has none."""
+def _pitches(samples: Floats, rate: float, wanted: npt.NDArray[np.intp]) -> Floats:
+    """(N,), the pitch of the wanted frames by autocorrelation, semitones; NaN without one."""
     length = round(WINDOW * rate)
-    count = min(max(int((len(samples) - length) / rate / STEP) + 1, 0), round(BLOCK / STEP))
-    if count == 0:
-        return np.zeros(0)
-    starts = np.round(np.arange(count) * STEP * rate).astype(np.int64)
+    if rate < 4 * HIGHEST or not len(wanted):
+        return np.full(len(wanted), np.nan)
+    starts = np.round(wanted * STEP * rate).astype(np.int64)
+    inside = starts + length <= len(samples)  # of the sound's last frames none has a whole window
+    samples = np.pad(samples, (0, length))
     frames = np.lib.stride_tricks.sliding_window_view(samples, length)[starts].astype(np.float32)
     window = np.hanning(length).astype(np.float32)
     frames = (frames - frames.mean(axis=1, keepdims=True)) * window
@@ -79,12 +82,12 @@ def _pitches(samples: Floats, rate: float) -> Floats:
     found /= np.maximum(found[:, :1], 1e-9)
     cost = OCTAVE_COST * np.log2(np.arange(first, last + 1) / first)
     lag = (found[:, first : last + 1] - cost).argmax(axis=1) + first
-    row = np.arange(count)
+    row = np.arange(len(frames))
     before, best, after = (found[row, lag + step] for step in (-1, 0, 1))
     bend = before - 2 * best + after
     shift = np.where(bend < 0, (before - after) / (2 * np.where(bend < 0, bend, -1)), 0)
     semitones = 12 * np.log2(rate / (lag + shift.clip(-1, 1)))
-    return np.where(best > VOICED, semitones, np.nan)
+    return np.where(inside & (best > VOICED), semitones, np.nan)
 
 
 def _correlation(frames: npt.NDArray[np.float32], lags: int) -> npt.NDArray[np.float32]:
