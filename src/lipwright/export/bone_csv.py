@@ -1,10 +1,11 @@
 """CSV table of bones: `time` in s, and six columns a bone.
 
 What the MOTION of a BVH file holds, as a table with names, for engines and scripts that set bones
-themselves. `NAME.tx`, `NAME.ty`, `NAME.tz` are the place of the bone in its parent in m (at rest
-the way from the parent's place to its own), and `NAME.rx`, `NAME.ry`, `NAME.rz` its rotation in
-degrees about the axes of the parent, about x first, then y, then z. y is up, z forward, +x to the
-character's own left. Turns of the head are in the bone `head`. One row a frame.
+themselves. `NAME.x`, `NAME.y`, `NAME.z` are the place of the bone in its parent in m (at rest the
+way from the parent's place to its own, unlike the controls `NAME.tx` of a clip, which are 0), and
+`NAME.rx`, `NAME.ry`, `NAME.rz` its rotation in degrees about the axes of the parent, about x first,
+then y, then z. y is up, z forward, +x to the character's own left. Turns of the head are in the
+bone `head`. One row a frame.
 
 Places are rounded to a thousandth of a millimetre, angles to a ten-thousandth of a degree, times to
 a millionth of a second.
@@ -25,8 +26,8 @@ from lipwright.export.performance import ExportOptions, Output, Performance, tex
 from lipwright.face.skeleton import Floats, Skeleton
 from lipwright.retarget.skinned import bone_channels, whole_turns
 from lipwright.rig import Rig
-from lipwright.rig.values import CHANNELS
 
+COLUMNS: Final = ("x", "y", "z", "rx", "ry", "rz")
 FORMAT: Final = ",".join(["%.6f"] * 3 + ["%.4f"] * 3)  # of a bone: m and degrees
 BLOCK: Final = 2000  # frames that are formatted at once
 
@@ -61,7 +62,7 @@ def _lines(performance: Performance, rig: Rig) -> Iterator[str]:
     clip = performance.clip
     head = io.StringIO()
     writer = csv.writer(head, lineterminator="\n")
-    writer.writerow(["time", *(f"{bone.name}.{c}" for bone in rig.bones for c in CHANNELS)])
+    writer.writerow(["time", *(f"{bone.name}.{c}" for bone in rig.bones for c in COLUMNS)])
     yield head.getvalue()
     form = "%.6f," + ",".join([FORMAT] * len(rig.bones)) + "\n"
     rows = np.column_stack([clip.times, bone_values(performance, rig).reshape(len(clip), -1)])

@@ -78,7 +78,8 @@ def _nodes(name: str, skeleton: Skeleton) -> list[Json]:
     for bone, parent in enumerate(skeleton.parents):
         above = holder if parent < 0 else bones[parent]
         above.setdefault("children", []).append(FIRST_BONE + bone)
-    return [{"mesh": 0, "skin": 0, "name": name}, holder, *bones]
+    # A bone may be called like the mesh, and readers rename the second of two nodes.
+    return [{"mesh": 0, "skin": 0, "name": f"{name}_mesh"}, holder, *bones]
 
 
 def _skin(store: Store, skeleton: Skeleton) -> Json:

@@ -1,0 +1,206 @@
+"""Bones in files: the skinned GLB, the table and BVH, read back by others' readers."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pygltflib
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lipwright.clip import Clip
+from lipwright.controls import CANONICAL, HEAD_ANGLES
+from lipwright.errors import LipwrightError
+from lipwright.export import Performance, export_all, export_clip
+from lipwright.export.skinned import most_held, skinned_glb
+from lipwright.face.head import Head
+from lipwright.face.neck import turn_shares, turned
+from lipwright.face.skeleton import Skeleton
+from lipwright.face.skinning import SkinnedMesh
+from lipwright.retarget import retarget
+from lipwright.retarget.skinned import bone_channels, posed_at, skin_mesh, whole_turns
+from lipwright.rig import Bone, Control, Rig, load_rig
+from reading_gltf import Reader, reader
+
+__all__ = ["reader"]
+
+TIMES = [0.1, 0.55, 1.0]
+RIG = load_rig("bones")
+
+
+def talking(frames: int = 61, fps: float = 60.0) -> Clip:
+    """Smooth motion of some canonical controls, and of the head."""
+    times = np.arange(frames) / fps
+    names = CANONICAL + HEAD_ANGLES
+    clip = Clip(names, fps, np.zeros((frames, len(names)), np.float32))
+    moved = ("jawOpen", "mouthClose", "mouthPucker", "mouthSmileLeft", "tonguePress")
+    curves = {name: 0.3 - 0.3 * np.cos(times * (3 + 2 * i)) for i, name in enumerate(moved)}
+    curves |= {name: 0.3 * np.sin(times * (2 + i)) for i, name in enumerate(HEAD_ANGLES)}
+    return clip.with_curves(curves)
+
+
+CLIP = retarget(talking(), RIG)
+PERFORMANCE = Performance(CLIP, rig=RIG)
+
+
+@pytest.fixture(scope="module")
+def skinned(head: Head) -> SkinnedMesh:
+    return skin_mesh(head, RIG)
+
+
+@dataclass
+class Bones:
+    """`tests/web/bones.mjs` in the page of a reader."""
+
+    reader: Reader
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        script = "async (a) => (await import('/bones.mjs'))[a[0]](...a.slice(1))"
+        return self.reader.page.evaluate(script, [name, *arguments])
+
+    def load(self, content: bytes) -> Any:
+        (self.reader.files / "bones.glb").write_bytes(content)
+        return self.call("load", "/files/bones.glb")
+
+    def posed_at(self, time: float) -> npt.NDArray[np.float64]:
+        return np.reshape(self.call("posedAt", time), (-1, 3))
+
+
+@pytest.fixture(scope="module")
+def three(reader: Reader) -> Bones:
+    return Bones(reader)
+
+
+class TestThree:
+    def test_each_vertex_is_where_ours_is_at_every_frame(
+        self, three: Bones, skinned: SkinnedMesh
+    ) -> None:
+        three.load(skinned_glb(skinned, RIG, CLIP))
+        ours = posed_at(skinned, RIG, CLIP, TIMES)
+        for time, expected in zip(TIMES, ours, strict=True):
+            np.testing.assert_allclose(three.posed_at(time), expected, atol=1e-5)
+        assert np.abs(expected - skinned.mesh.vertices).max() > 0.005
+
+    def test_few_keys_keep_the_vertices_within_their_bound(
+        self, three: Bones, skinned: SkinnedMesh
+    ) -> None:
+        content = skinned_glb(skinned, RIG, CLIP, keys=0.01)
+        three.load(content)
+        for time, expected in zip(TIMES, posed_at(skinned, RIG, CLIP, TIMES), strict=True):
+            np.testing.assert_allclose(three.posed_at(time), expected, atol=5e-4)
+        assert len(content) < len(skinned_glb(skinned, RIG, CLIP))
+
+    def test_the_bones_hang_on_each_other_as_in_the_rig(
+        self, three: Bones, skinned: SkinnedMesh
+    ) -> None:
+        expected = [[bone.name, bone.parent or "head_bones"] for bone in RIG.bones]
+        found = three.load(skinned_glb(skinned))
+        assert found == [expected] * len(skinned.mesh.parts)
+
+    def test_without_a_clip_the_mesh_is_at_rest(self, three: Bones, skinned: SkinnedMesh) -> None:
+        three.load(skinned_glb(skinned))
+        np.testing.assert_allclose(three.posed_at(0.0), skinned.mesh.vertices, atol=1e-6)
+
+    def test_bvh_has_the_bones_and_where_they_are_at_each_frame(
+        self, three: Bones, tmp_path: Path
+    ) -> None:
+        export_all([tmp_path / "x.bvh"], PERFORMANCE)
+        (three.reader.files / "x.bvh").write_bytes((tmp_path / "x.bvh").read_bytes())
+        found = three.call("readBvh", "/files/x.bvh")
+        bones = {bone["name"]: bone for bone in found["bones"] if bone["name"] != "ENDSITE"}
+        skeleton = Skeleton.of(RIG.bones)
+        rotations, places = skeleton.joints(bone_channels(CLIP, RIG), whole_turns(CLIP))
+        for number, bone in enumerate(RIG.bones):
+            assert bones[bone.name]["parent"] == bone.parent
+            offset = 100 * skeleton.offsets[number]
+            np.testing.assert_allclose(bones[bone.name]["at"], offset, atol=1e-5)
+            position = found["tracks"][f"{bone.name}.position"]
+            np.testing.assert_allclose(position["times"], CLIP.times, atol=1e-6)
+            moved = np.reshape(position["values"], (-1, 3)) - offset  # three.js adds it
+            np.testing.assert_allclose(moved, 100 * places[:, number], atol=6e-4)
+            turn = np.reshape(found["tracks"][f"{bone.name}.quaternion"]["values"], (-1, 4))
+            between = Rotation.from_quat(turn) * Rotation.from_matrix(rotations[:, number]).inv()
+            assert np.degrees(between.magnitude().max()) < 2e-3
+
+
+class TestGlb:
+    def test_pygltflib_reads_the_skin(self, skinned: SkinnedMesh, tmp_path: Path) -> None:
+        (tmp_path / "x.glb").write_bytes(skinned_glb(skinned, RIG, CLIP, sound="x.wav"))
+        read = pygltflib.GLTF2().load(str(tmp_path / "x.glb"))
+        names = [read.nodes[joint].name for joint in read.skins[0].joints]
+        assert names == [bone.name for bone in RIG.bones]
+        assert read.nodes[0].skin == 0
+        assert read.asset.extras["sound"] == "x.wav"
+        paths = {(read.nodes[c.target.node].name, c.target.path)
+                 for c in read.animations[0].channels}  # fmt: skip
+        assert ("head", "rotation") in paths
+        assert ("head", "translation") not in paths
+        assert ("jaw", "rotation") in paths
+        assert ("lip_upper_mid", "translation") in paths
+        assert not [path for name, path in paths if name == "body"]
+
+    def test_four_bones_at_most_hold_a_vertex_and_unused_ones_are_zero(self) -> None:
+        weights = np.array([[0.0, 0.5, 0.0, 0.2, 0.3], [0.0, 0.0, 1.0, 0.0, 0.0]])
+        joints, shares = most_held(weights)
+        assert joints.tolist() == [[1, 4, 3, 0], [2, 0, 0, 0]]
+        np.testing.assert_allclose(shares, [[0.5, 0.3, 0.2, 0], [1, 0, 0, 0]], atol=1e-7)
+
+    def test_fewer_than_four_bones_will_do(self) -> None:
+        joints, shares = most_held(np.array([[0.25, 0.75]]))
+        assert joints.tolist() == [[1, 0, 0, 0]]
+        assert shares.tolist() == [[0.75, 0.25, 0, 0]]
+
+    def test_the_neck_follows_as_in_our_pictures(self, head: Head, skinned: SkinnedMesh) -> None:
+        angles = [0.4, -0.2, 0.1]
+        clip = Clip(HEAD_ANGLES, 30, np.array([angles]))
+        (posed,) = posed_at(skinned, RIG, clip, [0.0])
+        expected = turned(head.vertices, turn_shares(head), angles)
+        np.testing.assert_allclose(posed, expected, atol=4e-4)  # where five bones met, four stay
+
+
+class TestTable:
+    def test_the_csv_module_reads_places_and_turns(self, tmp_path: Path) -> None:
+        export_all([tmp_path / "x.bones.csv"], PERFORMANCE)
+        with (tmp_path / "x.bones.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        skeleton = Skeleton.of(RIG.bones)
+        rotations, places = skeleton.joints(bone_channels(CLIP, RIG), whole_turns(CLIP))
+        times = [float(row["time"]) for row in rows]
+        np.testing.assert_allclose(times, CLIP.times, atol=1e-6)
+        for number, name in enumerate(skeleton.names):
+            found = [[float(row[f"{name}.{axis}"]) for axis in "xyz"] for row in rows]
+            np.testing.assert_allclose(found, places[:, number], atol=1e-6)
+            angles = [[float(row[f"{name}.r{axis}"]) for axis in "xyz"] for row in rows]
+            read = Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
+            np.testing.assert_allclose(read, rotations[:, number], atol=5e-6)
+
+    def test_canonical_curves_are_retargeted_to_the_bones_that_ship(self, tmp_path: Path) -> None:
+        export_clip(tmp_path / "a.bones.csv", talking())
+        export_all([tmp_path / "b.bones.csv"], PERFORMANCE)
+        assert (tmp_path / "a.bones.csv").read_bytes() == (tmp_path / "b.bones.csv").read_bytes()
+
+    @pytest.mark.parametrize("suffix", [".bones.csv", ".bvh"])
+    def test_a_rig_without_bones_is_refused(self, suffix: str, tmp_path: Path) -> None:
+        rig = load_rig("facefx")
+        clip = Clip(("open",), 30, np.ones((2, 1)))
+        plain = Rig("plain", (Control("open"),), {})
+        with pytest.raises(LipwrightError, match=r"needs bones, and the rig 'plain' has none"):
+            export_all([tmp_path / f"x{suffix}"], Performance(clip, rig=plain))
+        assert rig.bones == ()
+
+    def test_bvh_of_several_roots_has_one_above_them(self, tmp_path: Path) -> None:
+        bones = (Bone("left ear"), Bone("right ear", "", (0.1, 0, 0)))
+        rig = Rig("ears", (Control("left ear.rz", -90, 90),), {}, bones=bones)
+        clip = Clip(("left ear.rz",), 10, np.array([[0.0], [45.0]]))
+        export_all([tmp_path / "x.bvh"], Performance(clip, rig=rig))
+        lines = (tmp_path / "x.bvh").read_text().splitlines()
+        assert lines[1] == "ROOT root"
+        assert [line.strip() for line in lines if "JOINT" in line] == [
+            "JOINT left_ear", "JOINT right_ear",
+        ]  # fmt: skip
+        assert [float(n) for n in lines[-1].split()] == [0] * 9 + [45, 0, 0] + [10] + [0] * 5
