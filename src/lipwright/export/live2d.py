@@ -4,9 +4,9 @@ The layout is that of Live2D's CubismSpecs, FileFormats/motion3.json: `Meta` wit
 fps and counts, and `Curves`, each with its target `Parameter`, the parameter's id and `Segments`, a
 flat row of numbers: the first point (time in s, value), then for each segment its kind and points.
 Kind 0 is a straight line with one point, kind 1 a cubic Bezier curve with two handles and the end.
-Handles stand a third of the span off (`AreBeziersRestricted`). Times have four decimals, values
-five. A parameter that never changes has one straight segment, since players need one; eyes, brows
-and angles that rest throughout are left out, so that other motions may move them.
+Handles stand a third of the span off (`AreBeziersRestricted`). Times and values have five
+decimals. A parameter that never changes has one straight segment, since players need one; eyes,
+brows and angles that rest throughout are left out, so that other motions may move them.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _lines(clip: Clip, error: float | None) -> Iterator[str]:
     kinds = [kind if len(curve) > 1 else LINE for curve in keys.curves.values()]
     points = sum(1 + count * POINTS[each] for count, each in zip(segments, kinds, strict=True))
     meta = {
-        "Duration": round(end, 4),
+        "Duration": round(end, 5),
         "Fps": clip.fps,
         "Loop": False,
         "AreBeziersRestricted": True,
@@ -113,6 +113,6 @@ def _segments(curve: KeyedCurve, kind: int, end: float) -> str:
             times[1:] - third, values[1:] - curve.arriving[1:] * third,
         ]  # fmt: skip
         points = handles + points
-    form = f",{kind}" + ",%.4f,%.5f" * POINTS[kind]
+    form = f",{kind}" + ",%.5f,%.5f" * POINTS[kind]
     row = tuple(np.stack(points, axis=1).ravel().tolist())
-    return f"{times[0]:.4f},{values[0]:.5f}" + form * (len(times) - 1) % row
+    return f"{times[0]:.5f},{values[0]:.5f}" + form * (len(times) - 1) % row

@@ -35,6 +35,7 @@ BREATH: Final = 0.2  # s; a shorter gap is none
 
 # What a cue costs, in arbitrary units.
 EACH: Final = 1.0  # few cues
+JOINED: Final = 1.5  # a full stop within one
 SPLIT: Final = 2.0  # that ends within a phrase
 SHORT: Final = 2.0  # a second that it is too short to be read
 
@@ -154,7 +155,7 @@ def _cost(
         if not texts[stop - 1].endswith(STOPS) and gap < PAUSE:
             phrase = texts[stop - 1].endswith(COMMAS) or gap >= BREATH
             cost += SPLIT / 2 if phrase else SPLIT
-    cost += sum(EACH for text in texts[first : stop - 1] if text.endswith(STOPS))
+    cost += sum(JOINED for text in texts[first : stop - 1] if text.endswith(STOPS))
     shown = _end(texts, spans, first, stop) - spans[first][0]
     return cost + SHORT * max(0.0, _needed(texts, first, stop) - shown)
 
