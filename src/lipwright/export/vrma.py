@@ -6,8 +6,9 @@ presets are presets, all others custom. Where an avatar looks is not an expressi
 `lookUp`, `lookDown`, `lookLeft` and `lookRight` are left out. The humanoid's required bones stand
 in the T-pose; the head's rotation is that of the clip's head.
 
-The sound is `NAME.wav`. Each expression has keys of its own: one a frame, two where it never
-changes, or few, as cubic splines or lines. Weights are float32, times too.
+Players take the sound from elsewhere; none is written. Each expression has keys of its own: one a
+frame, two where it never changes, or few, as cubic splines or lines. Weights are float32, times
+too.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ from lipwright.errors import LipwrightError
 from lipwright.export.gltf_curves import Animation, check_clock
 from lipwright.export.gltf_store import Json, Store
 from lipwright.export.performance import ExportOptions, Output, Performance
-from lipwright.export.sidecar import sound_outputs
 from lipwright.face.turning import head_quaternions, head_turns
 
 EXTENSION: Final = "VRMC_vrm_animation"
@@ -57,7 +57,7 @@ _BONES: Final[dict[str, tuple[str, tuple[float, float, float]]]] = {
 
 
 def outputs(path: Path, performance: Performance, options: ExportOptions) -> list[Output]:
-    """The VRMA, and the sound beside it.
+    """The one file.
 
     Raises:
         LipwrightError: the clip has no expression.
@@ -70,12 +70,11 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
             f"{path}: the curves have none of VRM's expressions (aa, ih, ou, ...); retarget them "
             "to the rig vrm1"
         )
-    wav = path.with_suffix(".wav").name if performance.audio is not None else None
 
     def write(part: Path) -> None:
-        part.write_bytes(clip_to_vrma(clip, path.stem, options.keys, wav))
+        part.write_bytes(clip_to_vrma(clip, path.stem, options.keys))
 
-    return [Output(path, write), *sound_outputs(path, performance)]
+    return [Output(path, write)]
 
 
 def expression_names(clip: Clip) -> list[str]:
@@ -83,16 +82,13 @@ def expression_names(clip: Clip) -> list[str]:
     return [name for name in clip.names if name not in GAZE and name not in HEAD_ANGLES]
 
 
-def clip_to_vrma(
-    clip: Clip, name: str = "speech", keys: float | None = None, sound: str | None = None
-) -> bytes:
+def clip_to_vrma(clip: Clip, name: str = "speech", keys: float | None = None) -> bytes:
     """The bytes of a VRMA file.
 
     Args:
         clip: weights of expressions by VRM 1.0's names, and angles of the head.
         name: of the animation.
         keys: as few keys as stay within this of every frame; None for one key a frame.
-        sound: the file of the sound, named in the asset's `extras`.
     """
     from importlib.metadata import version
 
@@ -107,7 +103,7 @@ def clip_to_vrma(
         "asset": {
             "version": "2.0",
             "generator": f"Lipwright {version('lipwright')}",
-            "extras": {"fps": clip.fps, **({"sound": sound} if sound else {})},
+            "extras": {"fps": clip.fps},
         },
         "extensionsUsed": [EXTENSION],
         "scene": 0,
