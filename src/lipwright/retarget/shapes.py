@@ -5,6 +5,7 @@ What is compared is what one sees of a mouth: aperture, lip width, pout, lip on 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -124,25 +125,32 @@ def choose_shapes(
     names = rig.names if names is None else tuple(names)
     check_drawn(clip, rig, names)
     looks = _seen(rig.look_of(names).astype(np.float64))  # (S, 5)
-    steps = max(1, round(clip.duration / STEP + 0.499))
+    costs = _costs(clip, track, looks, *_rest_and_shut(names, looks))
+    labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
+    return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
+
+
+def _costs(
+    clip: Clip, track: PhoneTrack | None, looks: Floats, rest: int, shut: list[int]
+) -> Floats:
+    """(T, S), units², of showing each shape at each step."""
+    steps = max(1, math.ceil(clip.duration / STEP - 1e-6))
     middles = np.asarray((np.arange(steps) + 0.5) * STEP, np.float64)
     seen = _seen_at(clip, middles)
+    seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
+    costs = ((_scaled(seen)[:, None] - _scaled(looks)) ** 2).sum(axis=2)
     pauses, closures = _pauses_and_closures(clip, track)
     quiet = np.zeros(steps, bool)
     for start, end in pauses:
         quiet |= (middles >= start) & (middles < end)
-    seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
-    costs = ((_scaled(seen)[:, None] - _scaled(looks)) ** 2).sum(axis=2)  # (T, S)
-    rest, shut = _rest_and_shut(names, looks)
-    costs[~quiet, rest] += UNFIT if len(names) > 1 and rest not in shut else 0.0
-    for label in set(shut) - {rest}:
-        costs[quiet, label] += UNFIT
-    others = [label for label in range(len(names)) if label not in shut]
+    if rest not in shut:
+        costs[~quiet, rest] += UNFIT
+        costs[np.ix_(quiet.nonzero()[0], np.array(shut))] += UNFIT
     tightest = np.minimum((np.array(closures) / STEP + 1e-6).astype(int), steps - 1)
-    for label in others:
-        costs[tightest, label] = FORBIDDEN
-    labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
-    return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
+    for label in range(len(looks)):
+        if label not in shut:
+            costs[tightest, label] = FORBIDDEN
+    return np.asarray(costs)
 
 
 def check_drawn(clip: Clip, rig: Rig, names: Iterable[str]) -> None:
