@@ -2,6 +2,7 @@
 
     python bench/life.py                    # examples/hello.flac, said again and again
     python bench/life.py --minutes 10 --seeds 5
+    python bench/life.py --sheet docs/layers.png
 
 Blinks: how many a minute, and the share of them that begin within half a second of a phrase's end,
 beside the share of time that lies there. Head: standard deviations, fastest turn, share of the
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +25,10 @@ from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.evaluate.lips import CLOSED, CLOSURE_TOLERANCE, LOUD_PERCENTILE
 from lipwright.expressions import EXPRESSIONS, load_expression
 from lipwright.face.head import load_head
-from lipwright.life import find_phrases, hear_voice, life
+from lipwright.face.png import write_png
+from lipwright.face.render import Renderer
+from lipwright.face.shading import Camera
+from lipwright.life import add_life, find_phrases, hear_voice, life
 from lipwright.life.voice import STEP
 from lipwright.passes import expression, speech_share
 from lipwright.phones import BILABIALS
@@ -110,12 +115,42 @@ def tell_expressions(engine: str) -> PhoneTrack:
     return track
 
 
+SHOWN = ("happy", "sad", "angry", "surprised")
+MOMENTS = (0.3, 1.925, 2.05, 2.91, 4.46, 7.9)  # s of hello.flac: rest, M, F, ER, AO, Y
+LIVELY = (0.3, 1.15, 1.925, 3.43, 4.46, 7.9)  # s, of the row with life
+
+SIDE = 200  # px
+NEAR_BY = Camera((0.0, 0.05, 1.30), (0.0, 0.012, 0.02), 11.5)
+
+
+def draw_sheet(path: Path) -> None:
+    """Speech alone, under four expressions, and with life over a smile: a row each."""
+    result = animate(HELLO, HELLO.with_suffix(".txt").read_text())
+    speech, track = result.clip.select(CANONICAL), result.track
+    rows = [(speech, MOMENTS)]
+    rows += [(expression(load_expression(name))(speech, track), MOMENTS) for name in SHOWN]
+    smile = expression(load_expression("happy"), 0.6)(speech, track)
+    rows.append((add_life(smile, track, read_audio(HELLO, RATE), seed=1), LIVELY))
+    with Renderer(load_head(), SIDE, SIDE, view=NEAR_BY) as renderer:
+        write_png(path, np.vstack([pictures(renderer, clip, times) for clip, times in rows]))
+
+
+def pictures(renderer: Renderer, clip: Clip, times: Sequence[float]) -> np.ndarray:
+    """The clip at some times, side by side."""
+    weights, turns = (clip.select(names).at(times) for names in (CANONICAL, HEAD_ANGLES))
+    return np.hstack([renderer.render(*parts) for parts in zip(weights, turns, strict=True)])
+
+
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="how long it is said")
     parser.add_argument("--seeds", type=int, default=3, help="lives whose mean is told")
+    parser.add_argument("--sheet", type=Path, help="draw pictures of the layers instead")
     choices = parser.parse_args()
+    if choices.sheet is not None:
+        draw_sheet(choices.sheet)
+        return
     print("expressions")
     tracks = [tell_expressions(engine) for engine in ENGINES]
     track, sound = repeated(tracks[0], read_audio(HELLO, RATE), choices.minutes)
