@@ -100,15 +100,16 @@ def maya_curves(performance: Performance, error: float | None) -> Iterator[MayaC
     clip = performance.clip
     for name, curve in keyed(clip, error, shape_names(performance)).curves.items():
         yield MayaCurve("", name.translate(_JOINED), "unitless", curve)
-    channels = bone_channels(performance)
     bones = () if performance.rig is None else performance.rig.bones
-    for name, curve in keyed(clip, error, channels).curves.items():
-        bone, channel = channels[name]
-        axis = channel[1].upper()
+    for name, (bone, channel) in bone_channels(performance).items():
         node = bone.name.translate(_JOINED)
+        axis = channel[1].upper()
         if channel[0] == "r":
+            curve = keyed(clip, error, [name]).curves[name]
             yield MayaCurve(node, f"rotate{axis}", "angular", curve)
         else:
+            # The bound is meant in the unit that the curve is edited in.
+            curve = keyed(clip, error and error / CENTIMETRES, [name]).curves[name]
             rest = float(rest_place(bone, bones)["XYZ".index(axis)])
             yield MayaCurve(node, f"translate{axis}", "linear", _placed(curve, rest))
 
