@@ -27,10 +27,10 @@ from lipwright.face.render import Renderer, pose_weights
 from lipwright.face.skinning import SkinnedMesh
 from lipwright.pipeline import animate
 from lipwright.retarget import retarget
+from lipwright.retarget.bone_rig import RIDGE, lip_importance, other_side, rig_of_bones
 from lipwright.retarget.bones import FitOptions, fit_bones, residuals
 from lipwright.retarget.skinned import bone_channels, shape_transforms, skin_mesh
-from lipwright.rig import Bone, Control, LinearMapping, Rig, Row, load_rig, save_rig
-from lipwright.rig.values import CHANNELS
+from lipwright.rig import Bone, Control, Rig, load_rig, save_rig
 
 ROOT = Path(__file__).resolve().parents[1]
 RIG_FILE = ROOT / "src" / "lipwright" / "rigs" / "bones.json"
@@ -65,18 +65,7 @@ FOLLOWS = {
 }
 SHAPES = (*GROUPS["jaw"], *GROUPS["lips"], "cheekPuff", *GROUPS["tongue"])
 
-# The lips count most: a gap of a millimetre there is an open mouth.
-LIP_COUNT = 10.0  # times the rest of the face
-LIP_RADII_M = (0.030, 0.015, 0.020)  # m, around their contact
-RIDGE = 1e-2  # lips that turn by half a circle for a tenth of a millimetre are no use to artists
 ROUNDS = 15
-
-SEEN_M = 5e-5  # m; a gain that moves nothing by this is not seen
-LEVERS_M = {"jaw": 0.10}  # m, from a bone to the farthest that it carries
-LEVER_M = 0.015  # m, of the other bones
-ROOM = 2.0  # times the largest gain: how far a channel goes
-LEAST_RANGE = (0.005, 10.0)  # m and degrees
-DECIMALS = (5, 2)  # of m and degrees
 REFLECT = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of channels, left for right
 
 LACKS = {
@@ -111,66 +100,33 @@ POSES: dict[str, dict[str, float]] = {
 
 def make_rig(head: Head) -> Rig:
     """The rig, fitted to the head and made symmetric."""
-    lips = head.vertices[head.lip_pairs].reshape(-1, 3).mean(axis=0)
-    far = np.linalg.norm((head.vertices - lips) / LIP_RADII_M, axis=1)
     options = FitOptions(
         still=STILL,
         grips={"jaw": CHIN},
         follows=FOLLOWS,
         rounds=ROUNDS,
         ridge=RIDGE,
-        importance=1 + LIP_COUNT * np.exp(-0.5 * far**2),
+        importance=lip_importance(head, BONES),
     )
     transforms = _symmetric(fit_bones(head, BONES, SHAPES, options).transforms)
-    rows, controls = {}, []
-    for number, bone in enumerate(BONES):
-        for column, channel in enumerate(CHANNELS):
-            if bone.name in STILL:
-                continue
-            turns = channel.startswith("r")
-            gains = _gains(transforms[:, number, column], turns, LEVERS_M.get(bone.name, LEVER_M))
-            largest = max([*map(abs, gains.values()), LEAST_RANGE[turns] / ROOM])
-            reach = float(np.ceil(ROOM * largest * (1 if turns else 1000)) / (1 if turns else 1000))
-            name = f"{bone.name}.{channel}"
-            controls.append(Control(name, -reach, reach))
-            if gains:
-                rows[name] = Row(gains)
-    names = [control.name for control in controls]
-    return Rig(
+    about = Rig(
         name="bones",
         title="ten bones of lips, tongue and jaw, as in the thesis",
-        controls=tuple(controls),
-        mirror={name: _other(name) for name in names if _other(name) != name},
-        bones=BONES,
-        mapping=LinearMapping(rows),
+        controls=(Control("jaw.rx"),),
+        mirror={},
         lacks=LACKS,
         source="bones of Swedish visual speech (thesis, 2018), section 4.6.2; places and gains are "
         "ours, fitted to the MakeHuman head (CC0) by bench/bones.py",
         license="Apache-2.0",
     )
-
-
-def _gains(column: npt.NDArray[np.float64], turns: bool, lever: float) -> dict[str, float]:
-    """Blendshape to gain, without those that are not seen."""
-    least = np.degrees(SEEN_M / lever) if turns else SEEN_M
-    return {
-        shape: round(float(gain), DECIMALS[turns])
-        for shape, gain in zip(SHAPES, column, strict=True)
-        if abs(gain) >= least
-    }
-
-
-def _other(name: str) -> str:
-    """The same channel on the other side."""
-    swapped = name.replace("_left.", "_?.").replace("_right.", "_left.")
-    return swapped.replace("_?.", "_right.")
+    return rig_of_bones(about, BONES, SHAPES, transforms, float(np.ptp(head.vertices[:, 1])))
 
 
 def _symmetric(transforms: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """The mean of transforms (C, B, 6) and their mirror image."""
     shapes = [SHAPES.index(MIRROR[shape]) for shape in SHAPES]
-    names = [f"{bone.name}." for bone in BONES]
-    bones = [names.index(_other(name)) for name in names]
+    names = [bone.name for bone in BONES]
+    bones = [names.index(other_side(name)) for name in names]
     return np.asarray((transforms + transforms[shapes][:, bones] * REFLECT) / 2)
 
 

@@ -48,6 +48,8 @@ class FitOptions:
     """bone to the middle of what it carries, m; where it is, for bones that are left out"""
     follows: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """bone to the only blendshapes that move it; all do, for bones that are left out"""
+    start: Floats | None = None
+    """(C, B, 6) transforms to start from, instead of from the bones' grips"""
     rounds: int = 12
     """of weights and transforms"""
     ridge: float = 1e-3
@@ -170,12 +172,13 @@ class _Solver:
         self._skeleton = skeleton
         self._options = options
         self._free = free
-        self._importance = importance
+        self._importance = importance.astype(np.float64)
 
     def solve(self) -> tuple[Floats, Floats]:
         """Weights (M, B) and transforms (C, B, 6)."""
-        start = np.zeros((len(self._targets), len(self._skeleton), CHANNEL_COUNT))
-        transforms = self._transforms(*self._grip(), start)
+        rest = np.zeros((len(self._targets), len(self._skeleton), CHANNEL_COUNT))
+        given = self._options.start
+        transforms = self._transforms(*self._grip(), rest) if given is None else given
         for _ in range(self._options.rounds):
             weights = solve_weights(self._rest, self._targets, self._skeleton, transforms)
             transforms = self._transforms(weights, self._importance, transforms)
