@@ -121,7 +121,7 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
         slopes = np.zeros_like(values)
     else:
         slopes = np.gradient(values, axis=0) if len(clip) > 1 else np.zeros_like(values)
-        kept = kept_frames(values[:, moving], slopes[:, moving], SHARE * error)
+        kept = kept_frames(values[:, moving], slopes[:, moving], HEADROOM * error)
     frames = dict(zip(moving.tolist(), kept, strict=True))
     curves = {}
     for column, name in enumerate(chosen):
@@ -131,7 +131,10 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
         elif error is None:
             curves[name] = every_frame(values[:, column], clip.times)
         else:
-            curves[name] = _smooth(frames[column], values[:, column], slopes[:, column], clip.fps)
+            fitted = fitted_keys(
+                values[:, column], slopes[:, column], frames[column], SHARE * bound
+            )
+            curves[name] = _smooth(*fitted, clip.fps)
     return KeyedClip(curves, clip.fps, len(clip), linear=error is None)
 
 
@@ -142,13 +145,15 @@ def every_frame(values: Floats, times: Floats) -> KeyedCurve:
 
 
 def _smooth(frames: Frames, values: Floats, slopes: Floats, fps: float) -> KeyedCurve:
-    arriving = slopes[frames] * fps
+    arriving = slopes * fps
     leaving = arriving.copy()
     arriving[0] = leaving[-1] = 0.0
-    return KeyedCurve(frames / fps, values[frames], arriving, leaving)
+    return KeyedCurve(frames / fps, values, arriving, leaving)
 
 
 SHARE: Final = 0.97  # of the bound; the rest is for the digits that files leave out
+HEADROOM: Final = 1.6  # times the bound for the choice of keys: fitting them takes errors down
+TETHER: Final = 1e-4  # how much a key's value and slope are held to the curve's, against a frame's
 LANE: Final = 600  # frames that are gone through in a row; each run of so many begins with a key
 REACH: Final = 96  # frames from key to key at the most
 PATIENCE: Final = 8  # spans in a row that do not fit, before longer ones are given up
@@ -204,3 +209,59 @@ def _farthest(
         off = np.abs(curve - values[start + np.arange(1, length), c]).max(axis=1)
         best[trying[off <= error]] = length
     return best
+
+
+def fitted_keys(
+    values: Floats, slopes: Floats, frames: Frames, error: float
+) -> tuple[Frames, Floats, Floats]:
+    """Keys whose values and slopes follow the curve best, and more of them where that is too far.
+
+    Least squares over all frames, for all keys at once: what a key does reaches only its two spans,
+    so that the equations are banded. A span that is farther from the curve than `error` is parted
+    where it is farthest, until none is.
+
+    Args:
+        values: (T,).
+        slopes: (T,) a frame; what is held to where the frames do not say.
+        frames: (K,) first keys, the first and the last frame among them.
+        error: in units of the control.
+
+    Returns:
+        The frames (K,), values (K,) and slopes (K,) a frame of the keys.
+    """
+    while True:
+        solution, off = _least_squares(values, slopes, frames)
+        # A key's own frame counts for the spans on both sides: either may pull it away.
+        worst = np.maximum(np.maximum.reduceat(off, frames[:-1]), off[frames[1:]])
+        far = np.flatnonzero((worst > error) & (np.diff(frames) > 1))
+        if not len(far):
+            return frames, solution[0::2], solution[1::2]
+        spans = zip(frames[far] + 1, frames[far + 1], strict=True)
+        more = [first + int(off[first:stop].argmax()) for first, stop in spans]
+        frames = np.union1d(frames, np.array(more, np.intp))
+
+
+def _least_squares(values: Floats, slopes: Floats, frames: Frames) -> tuple[Floats, Floats]:
+    """Values and slopes of the keys in turn (2 K,), and how far each frame is then off (T,)."""
+    from scipy.linalg import solveh_banded
+
+    span = np.repeat(np.arange(len(frames) - 1), np.diff(frames))
+    span = np.append(span, len(frames) - 2)
+    length = np.diff(frames)[span].astype(np.float64)
+    u = (np.arange(len(values)) - frames[span]) / length
+    zero, one = np.zeros_like(u), np.ones_like(u)
+    parts = (
+        hermite(u, one, zero, zero, zero), hermite(u, zero, zero, length, zero),
+        hermite(u, zero, one, zero, zero), hermite(u, zero, zero, zero, length),
+    )  # fmt: skip
+    unknowns = 2 * len(frames)
+    banded = np.zeros((4, unknowns))
+    banded[0] = TETHER
+    right = TETHER * np.stack([values[frames], slopes[frames]], axis=1).ravel()
+    for i, part in enumerate(parts):
+        right += np.bincount(2 * span + i, part * values, unknowns)
+        for j in range(i, 4):
+            banded[j - i] += np.bincount(2 * span + i, part * parts[j], unknowns)
+    solution = np.asarray(solveh_banded(banded, right, lower=True))
+    reached = sum(part * solution[2 * span + i] for i, part in enumerate(parts))
+    return solution, np.abs(reached - values)
