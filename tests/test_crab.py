@@ -18,8 +18,11 @@ from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import BILABIALS
 from lipwright.export import ExportOptions, export_all, export_clip
+from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
 from lipwright.face.render import Renderer
+from lipwright.retarget import retarget
+from lipwright.retarget.pose_files import read_poses
 from lipwright.rig import load_rig
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -181,6 +184,7 @@ class TestSet:
     def test_a_pose_that_the_rig_lacks_is_named_with_what_it_has(self, tmp_path: Path) -> None:
         rig = json.loads(RIG.read_text("utf-8"))
         rig["controls"] = [c for c in rig["controls"] if c["name"] != "tongue out"]
+        del rig["mapping"]  # which moves it too
         (tmp_path / RIG.name).write_text(json.dumps(rig))
         (tmp_path / SET.name).write_bytes(SET.read_bytes())
         options = lipwright.AnimateOptions(bigrams=tmp_path / SET.name)
@@ -216,6 +220,35 @@ class TestTalking:
         assert values.min() >= 0
         assert values.max() <= 1
         assert np.abs(np.diff(values, axis=0)).max() * talking.clip.fps < speed * 1.001
+
+
+class TestCurvesOfAnyEngine:
+    @pytest.mark.parametrize("engine", ["window", "dominance", "bigram"])
+    def test_they_move_the_crab_and_shut_its_mouth_at_every_bilabial(
+        self, mesh: Mesh, talking: lipwright.Result, head: Head, engine: str
+    ) -> None:
+        options = lipwright.AnimateOptions(engine=engine, fps=60)
+        said = lipwright.animate(EXAMPLES / "hello.flac", phones=talking.track, options=options)
+        moved = retarget(said.clip, load_rig(RIG))
+        poses = moved.select(mesh.shape_names).values
+        gaps = np.array([gap(mesh.pose(row)) for row in poses])
+        real = head.aperture_curve(said.clip.select(head.shape_names).values)
+        assert np.corrcoef(real, gaps)[0, 1] > 0.85
+        for phone, start, end in said.track:
+            if phone in BILABIALS:
+                inside = slice(int(start * 60), int(np.ceil(end * 60)) + 1)
+                assert gaps[inside].min() < SHUT_M, (phone, start)
+        assert gaps.max() > 0.02
+
+    def test_the_rig_has_the_poses_of_the_file_beside_it(self) -> None:
+        rig = load_rig(RIG)
+        assert rig.mapping == read_poses(RIG.with_name("crab.poses.json"), rig)
+
+    def test_the_tongue_goes_where_ours_goes(self) -> None:
+        names = ("tongueRaise", "tongueBack", "tonguePress")
+        moved = retarget(Clip(names, 10, np.eye(3, dtype=np.float32)), load_rig(RIG))
+        tongues = moved.select(("tongue up", "tongue down", "tongue out")).values
+        np.testing.assert_array_equal(tongues, np.eye(3))
 
 
 class TestFiles:
