@@ -118,7 +118,7 @@ def _pose_times(path: Path, channels: list[_Keys], counts: tuple[int, ...]) -> F
     # The last frame may be held for a while, or stand one before the next second.
     if seconds + 1 in counts:
         return np.asarray(times[0] + np.arange(seconds + 1))
-    wanted = " or ".join(map(str, counts))
+    wanted = " or ".join((", ".join(map(str, counts[:-1])), str(counts[-1])))
     raise LipwrightError(
         f"{path}: has keys at {len(times)} times over {times[-1] - times[0]:.1f} s; set {wanted} "
         "poses, one a frame or one a second"

@@ -108,7 +108,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _object(data: Mapping[str, Any], key: str) -> dict[str, Any]:
     found = data.get(key, {})
     if not isinstance(found, dict):
-        raise LipwrightError(f"{key!r} is {str(found)[:24]!r}, not an object of names and values")
+        raise LipwrightError(f"{key!r} is {str(found)[:24]}, not an object of names and values")
     return found
 
 

@@ -65,8 +65,7 @@ def to_mapping(table: PoseTable, rig: Rig, modes: int = MODES) -> PoseMapping:
             )
         sides[side] = pose
     _check_complete(sides, modes)
-    for name in table.rows:
-        rig.check_controls([name], "a row")
+    _check_names("controls", table.rows, rig)
     mean = table.poses.get(MEAN, {})
     poses = tuple(sides[side] for side in sorted(sides))
     if not any(_moves(pose.values, mean, rig) for pose in poses):
@@ -99,7 +98,7 @@ def _check_complete(sides: Iterable[tuple[int, bool]], modes: int) -> None:
 
 
 def _check_values(label: str, values: Mapping[str, float], rig: Rig) -> None:
-    rig.check_controls(values, f"the pose {label}")
+    _check_names(label, values, rig)
     for control in rig.controls:
         value = values.get(control.name, control.rest)
         if (
@@ -113,6 +112,15 @@ def _check_values(label: str, values: Mapping[str, float], rig: Rig) -> None:
             raise LipwrightError(
                 f"{label}: {control.name!r} is {value:g}, and its range in the rig {rig.name!r} is "
                 f"{control.low:g} to {control.high:g}; change the pose or the rig"
+            )
+
+
+def _check_names(label: str, names: Iterable[str], rig: Rig) -> None:
+    for name in names:
+        if name not in rig.names:
+            raise LipwrightError(
+                f"{label}: the rig {rig.name!r} has no control {name!r}; it has "
+                f"{', '.join(rig.names)}"
             )
 
 
