@@ -129,7 +129,7 @@ def test_shapes_shorter_than_a_hundredth_are_left_out() -> None:
 def test_other_rigs_go_by_what_they_look_like(tmp_path: Path) -> None:
     path = tmp_path / "a.rhubarb.json"
     rig = load_rig("preston-blair")
-    said = [("rest", 12), ("AI", 9), ("MBP", 4), ("U", 9), ("rest", 12)]
+    said = [("rest", 12), ("AI", 9), ("MBP", 4), ("WQ", 9), ("rest", 12)]
     frames = [rig.names.index(name) for name, count in said for _ in range(count)]
     export_all(path, Performance(Clip(rig.names, 24.0, np.eye(len(rig.names))[frames]), rig=rig))
     assert [name for *_, name in from_json(path)] == ["X", "D", "A", "F", "X"]

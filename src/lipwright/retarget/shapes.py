@@ -57,15 +57,18 @@ TONGUE_UP: Final = ("tongueRaise", "tonguePress", "tongueOut")
 UNITS: Final = np.array([
     0.2,  # square root of eye distances of aperture
     0.06,  # eye distances of width
-    0.04,  # eye distances of pout
+    0.1,  # eye distances of pout, which shows little from the front
     0.25,  # weight of lips on teeth
     0.6,  # weight of tongue
 ])  # fmt: skip
+
+UNDRAWN: Final = 0.4  # a tongue that is not drawn is missed less than one too many is seen
 
 STEP: Final = 0.01  # s, the grid of times: that of Rhubarb Lip Sync's files
 HOLD: Final = 0.08  # s; a drawing shows for two frames of 24 a second or more
 SWITCH: Final = 0.02  # s at a distance of one unit that a change of drawing is worth
 SHUT: Final = 0.005  # eye distances of aperture; below, lips look shut
+CLOSURE: Final = 0.15  # of the 95th percentile of aperture; below, p, b and m are closures
 PAUSE: Final = 0.2  # s; shorter silences are part of speech
 QUIET: Final = 0.3  # s; where nobody says what is spoken, lips that are shut for longer rest
 UNFIT: Final = 1.0  # units²; the rest shape in speech, and pressed lips in a pause
@@ -138,7 +141,9 @@ def _costs(
     middles = np.asarray((np.arange(steps) + 0.5) * STEP, np.float64)
     seen = _seen_at(clip, middles)
     seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
-    costs = ((_scaled(seen)[:, None] - _scaled(looks)) ** 2).sum(axis=2)
+    wrong = _scaled(seen)[:, None] - _scaled(looks)  # (T, S, 5)
+    wrong[:, :, 4] *= np.where(wrong[:, :, 4] > 0, UNDRAWN, 1.0)
+    costs = (wrong**2).sum(axis=2)
     pauses, closures = _pauses_and_closures(clip, track)
     quiet = np.zeros(steps, bool)
     for start, end in pauses:
@@ -261,12 +266,14 @@ def _pauses_and_closures(
     # Steps miss a frame between them that alone is shut, and frames the edges of phones.
     times = np.union1d(clip.times, np.arange(0, clip.duration, STEP))
     apertures = _seen_at(clip, times)[:, 0].clip(min=0)
+    limit = SHUT
     if track is None:
         spans = _spans(apertures < SHUT)
         lasting = [(float(times[first]), float(times[stop - 1])) for first, stop in spans]
         pauses = [(start, end) for start, end in lasting if end - start >= QUIET]
         spoken = [span for span, shut in zip(spans, lasting, strict=True) if shut not in pauses]
     else:
+        limit = max(SHUT, CLOSURE * float(np.percentile(apertures, 95)))
         pauses = [(0.0, track.start), (track.end, np.inf)]
         pauses += [
             (start, end) for phone, start, end in track
@@ -277,7 +284,7 @@ def _pauses_and_closures(
     return pauses, [
         float(times[first + _tightest(apertures[first:stop])])
         for first, stop in spoken
-        if apertures[first:stop].min(initial=np.inf) < SHUT
+        if apertures[first:stop].min(initial=np.inf) < limit
     ]
 
 
