@@ -17,7 +17,14 @@ from lipwright.audio import Sound
 from lipwright.clip import Clip, frame_times
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
-from lipwright.life.accents import Accent, Phrase, find_accents, find_phrases
+from lipwright.life.accents import (
+    Accent,
+    Phrase,
+    Prosody,
+    find_accents,
+    find_phrases,
+    find_prosody,
+)
 from lipwright.life.curves import Floats
 from lipwright.life.eyes import Blink, eye_curves, gaze_degrees, lid_curve, plan_blinks
 from lipwright.life.motion import brow_curves, head_degrees
@@ -25,8 +32,8 @@ from lipwright.life.voice import Voice, hear_voice
 from lipwright.track import PhoneTrack
 
 __all__ = [
-    "MOST", "Accent", "Blink", "Phrase", "Voice", "add_life", "find_accents", "find_phrases",
-    "hear_voice", "life",
+    "MOST", "Accent", "Blink", "Phrase", "Prosody", "Voice", "add_life", "find_accents",
+    "find_phrases", "find_prosody", "hear_voice", "life",
 ]  # fmt: skip
 
 MOST: Final = 2.0  # times the usual size
@@ -105,16 +112,15 @@ def _live(
         raise LipwrightError(f"the seed is {seed}; give a whole number from 0 on")
     if not 0 <= amount <= MOST:
         raise LipwrightError(f"the amount of life is {amount:g}; give a number from 0 to 2")
-    voice = None if audio is None else hear_voice(audio)
-    phrases, accents = find_phrases(track, voice), find_accents(track, voice)
+    prosody = find_prosody(track, None if audio is None else hear_voice(audio))
     blinks, gaze = (np.random.default_rng((seed, kind)) for kind in (_BLINKS, _GAZE))
     duration = float(times[-1])
-    lids = lid_curve(plan_blinks(phrases, duration, fps, blinks), len(times), fps)
-    angles = amount * head_degrees(phrases, accents, voice, times, fps, (seed, _HEAD))
+    lids = lid_curve(plan_blinks(prosody.phrases, duration, fps, blinks), len(times), fps)
+    angles = head_degrees(prosody, times, fps, (seed, _HEAD), amount)
     sideways, up = (amount * glance for glance in gaze_degrees(times, gaze))
     # The eyes stay on whom they look at while the head turns.
     curves = eye_curves(sideways - angles[:, 0], up - angles[:, 1], lids * (amount > 0))
-    brows = brow_curves(phrases, accents, len(times), fps, (seed, _BROWS))
+    brows = brow_curves(prosody, len(times), fps, (seed, _BROWS))
     curves |= {name: amount * curve for name, curve in brows.items()}
     curves |= dict(zip(HEAD_ANGLES, np.radians(angles).T, strict=True))
     return Clip(tuple(curves), fps, np.stack(list(curves.values()), axis=1))

@@ -48,6 +48,21 @@ class Accent:
     """0 to 1"""
 
 
+@dataclass(frozen=True, eq=False)
+class Prosody:
+    """All that is heard of a track beside its sounds."""
+
+    phrases: tuple[Phrase, ...]
+    accents: tuple[Accent, ...]
+    voice: Voice | None
+    """None where there is no sound"""
+
+
+def find_prosody(track: PhoneTrack, voice: Voice | None = None) -> Prosody:
+    """The phrases and accents of a track."""
+    return Prosody(tuple(find_phrases(track, voice)), tuple(find_accents(track, voice)), voice)
+
+
 def find_phrases(track: PhoneTrack, voice: Voice | None = None) -> list[Phrase]:
     """The phrases of a track; without a voice none rises."""
     return [

@@ -7,7 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from lipwright.life.accents import Accent, Phrase
+from lipwright.curves import limited
+from lipwright.life.accents import Phrase, Prosody
 from lipwright.life.curves import Floats, add_pulse, pulse, smooth_noise
 from lipwright.life.voice import STEP, Voice
 from lipwright.passes import ease
@@ -20,15 +21,15 @@ IN_PAUSE: Final = 0.3  # share of it in pauses: nobody freezes
 SETTLING: Final = 0.6  # s before and after speech in which it grows and goes
 TREMOR: Final = 0.12  # degrees, standard deviation, about every axis
 TREMOR_STEP: Final = 0.25  # s
-MELODY: Final = 0.25  # degrees up for a semitone over the phrase's middle
+MELODY: Final = 0.6  # degrees up for a semitone over the phrase's middle
 MELODY_SPAN: Final = 0.15  # s, standard deviation of the smoothing of the pitch
 MELODY_RANGE: Final = 6.0  # semitones either way; more is a mistake of the pitch
 
 # A nod begins with the stressed word and is deepest after its accent; brows begin before and are
 # highest with it (Kim, Cvejic and Davis 2014, Speech Communication 57).
-NOD: Final = 3.2  # degrees down on the strongest accents
+NOD: Final = 2.6  # degrees down on the strongest accents
 NOD_SHAPE: Final = (0.22, 0.0, 0.38)  # s down, there, and back
-NOD_START: Final = -0.06  # s from the accent
+NOD_START: Final = 0.02  # s from the accent, when the melody has lifted the head
 TILT: Final = 0.35  # standard deviation of what a nod adds to yaw and roll, for a degree of it
 NODDED: Final = 0.45  # accents weaker than this have none
 
@@ -46,6 +47,7 @@ QUESTION_SHAPE: Final = (0.25, 0.35, 0.5)  # s
 QUESTION_START: Final = -0.5  # s from the end of the phrase
 
 LIMITS: Final = (9.0, 7.0, 6.0)  # degrees of yaw, pitch and roll that are approached, never passed
+FASTEST: Final = 60.0  # degrees a second; what is faster turns less far
 ENDS: Final = 0.5  # s in which the head comes from rest at first, and goes back to it at last
 
 
@@ -76,16 +78,19 @@ def melody(phrases: Sequence[Phrase], voice: Voice, times: Floats) -> Floats:
 
 
 def head_degrees(
-    phrases: Sequence[Phrase],
-    accents: Sequence[Accent],
-    voice: Voice | None,
-    times: Floats,
-    fps: float,
-    seed: Sequence[int],
+    prosody: Prosody, times: Floats, fps: float, seed: Sequence[int], amount: float = 1.0
 ) -> Floats:
-    """(T, 3), yaw, pitch and roll in degrees, from rest and back to it."""
+    """(T, 3), yaw, pitch and roll in degrees, from rest and back to it.
+
+    Args:
+        prosody: what is heard.
+        times: (T,), s.
+        fps: frames a second of `times`.
+        seed: numbers from 0 on.
+        amount: times the usual size.
+    """
     drifts, nods = (np.random.default_rng((*seed, kind)) for kind in range(2))
-    share = IN_PAUSE + (1 - IN_PAUSE) * speaking(phrases, times)
+    share = IN_PAUSE + (1 - IN_PAUSE) * speaking(prosody.phrases, times)
     angles = np.stack(
         [
             size * share * smooth_noise(times, DRIFT_STEP, drift)
@@ -96,9 +101,9 @@ def head_degrees(
         ],
         axis=1,
     )
-    if voice is not None and len(voice.pitch):
-        angles[:, 1] += MELODY * melody(phrases, voice, times)
-    for accent in accents:
+    if prosody.voice is not None and len(prosody.voice.pitch):
+        angles[:, 1] += MELODY * melody(prosody.phrases, prosody.voice, times)
+    for accent in prosody.accents:
         tilts = nods.standard_normal(2).clip(-2, 2)
         if accent.strength >= NODDED:
             depth = NOD * accent.strength
@@ -107,24 +112,21 @@ def head_degrees(
                 add_pulse(angles[:, axis], fps, depth * size, start, NOD_SHAPE)
     limits = np.array(LIMITS)
     at_ends = pulse(times, 0.0, ENDS, max(float(times[-1]) - 2 * ENDS, 0.0), ENDS)
-    return np.asarray(at_ends[:, None] * limits * np.tanh(angles / limits))
+    within = amount * at_ends[:, None] * limits * np.tanh(angles / limits)
+    return limited(within, FASTEST / fps)
 
 
 def brow_curves(
-    phrases: Sequence[Phrase],
-    accents: Sequence[Accent],
-    frames: int,
-    fps: float,
-    seed: Sequence[int],
+    prosody: Prosody, frames: int, fps: float, seed: Sequence[int]
 ) -> dict[str, Floats]:
-    """Control to (T,) weights."""
+    """Control to (T,) weights; arguments as of `head_degrees`."""
     random = np.random.default_rng(tuple(seed))
     up: Floats = np.zeros(frames)
-    for accent in accents:
+    for accent in prosody.accents:
         willing = random.random() < WILLING
         if willing and accent.strength >= RAISED:
             add_pulse(up, fps, BROW * accent.strength, accent.time + BROW_START, BROW_SHAPE)
-    for phrase in phrases:
+    for phrase in prosody.phrases:
         if phrase.rises:
             add_pulse(up, fps, QUESTION, phrase.end + QUESTION_START, QUESTION_SHAPE)
     up = BROW * np.tanh(up / BROW)
