@@ -5,8 +5,8 @@
     python bench/fit_rigs.py --write        # also write the mappings into src/lipwright/rigs
 
 Fitted are the rows of a rig's mouth (`FITTED`); rows of its eyes and brows stay as its file has
-them, and so does what the file says that the rig lacks. Measured are `examples/hello.flac` and,
-where the corpora are, the first 10 test sentences of GRID speaker 1, animated by the default engine:
+them, and so does what the file says that the rig lacks. The default engine animates
+`examples/hello.flac` and, where the corpora are, the first 10 test sentences of GRID speaker 1:
 
 - r: correlation of the lips' aperture, the head of canonical controls against the rig's looks on
   the same head, over each recording; the lowest and the mean;
@@ -43,14 +43,17 @@ SHUT, OPEN = 0.05, 0.15  # of the 95th percentile
 
 FITTED: Mapping[str, tuple[str, ...]] = {
     "facefx": (),
-    "smartbody": (),
+    "smartbody": (
+        "ah", "bmp", "ee", "lowerLipDown", "lowerLipUp", "oh", "oo", "sh", "stickyLips", "tBack",
+        "tRoof", "tTeeth",
+    ),
     "oculus": (),
     "vrm1": ("aa", "ih", "ou", "ee", "oh"),
     "vrm0": ("A", "I", "U", "E", "O"),
     "mmd": ("あ", "い", "う", "え", "お", "ん"),
     "preston-blair": (),
     "rhubarb": (),
-}
+}  # fmt: skip
 """rig to the controls that are fitted; none means all"""
 
 UNSEEN = "nothing: these shapes show too little of it"

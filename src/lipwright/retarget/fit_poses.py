@@ -28,7 +28,8 @@ def every_pair() -> PhoneTrack:
         turned = vowels[row % len(vowels) :] + vowels[: row % len(vowels)]
         spoken += [SILENCE, *(phone for vowel in turned for phone in (consonant, vowel))]
     spoken.append(SILENCE)
-    return PhoneTrack(tuple(spoken), np.arange(len(spoken) + 1) * PHONE_SECONDS)
+    edges = np.arange(len(spoken) + 1, dtype=np.float64) * PHONE_SECONDS
+    return PhoneTrack(tuple(spoken), edges)
 
 
 TEACHERS: Final = ("window", "dominance")

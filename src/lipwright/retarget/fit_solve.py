@@ -66,12 +66,13 @@ class Problem:
         """What is made small."""
         moved = self.moved(gains)
         seen = ((moved @ self.shown.T - self.wanted) ** 2).sum(axis=1)
-        gap = self._open(moved @ self.gaps.T) - self._open(self.wanted_gaps)
+        gap = self.open_gaps(moved @ self.gaps.T) - self.open_gaps(self.wanted_gaps)
         each = seen + (gap**2).sum(axis=1) + self.thrift * np.abs(moved).sum(axis=1)
         each += self.sure * ((moved - self.known) ** 2).sum(axis=1)
         return float(self.weights @ each + self.ridge * (gains**2).sum())
 
-    def _open(self, gaps: Floats) -> Floats:
+    def open_gaps(self, gaps: Floats) -> Floats:
+        """Gaps from those less rest: 0 where the lips are shut."""
         return np.maximum(gaps + self.rest_gaps, 0.0)
 
     def normal(self, gains: Floats) -> tuple[Floats, Floats]:
@@ -82,7 +83,7 @@ class Problem:
         opened = moved @ self.gaps.T
         # A gap that should be open pulls, though it be shut; one that should be shut does not.
         alive = (opened + self.rest_gaps > 0) | (self.wanted_gaps + self.rest_gaps > 0)
-        gap = (self._open(opened) - self._open(self.wanted_gaps)) * alive
+        gap = (self.open_gaps(opened) - self.open_gaps(self.wanted_gaps)) * alive
         left = (moved @ self.shown.T - self.wanted) @ self.shown + gap @ self.gaps
         left += self.thrift / 2 * np.sign(moved) + self.sure[:, None] * (moved - self.known)
         bend = (self.shown.T @ self.shown)[None] + np.einsum(
@@ -154,7 +155,7 @@ def best_product(
     free = (reached >= problem.low) & (reached <= problem.high) & controls
     moved = np.clip(reached, problem.low, problem.high)
     opened = moved @ problem.gaps.T
-    gap = problem._open(opened) - problem._open(problem.wanted_gaps)
+    gap = problem.open_gaps(opened) - problem.open_gaps(problem.wanted_gaps)
     alive = (opened + problem.rest_gaps > 0).astype(np.float64)
     left = (moved @ problem.shown.T - problem.wanted) @ problem.shown + (gap * alive) @ problem.gaps
     bend = (problem.shown**2).sum(axis=0) + alive @ problem.gaps**2

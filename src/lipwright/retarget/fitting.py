@@ -17,18 +17,14 @@ from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
 from lipwright.retarget.fit_poses import speech_poses
 from lipwright.retarget.fit_solve import Floats, Problem, best_product, solve, solve_few
+from lipwright.retarget.fit_view import View, displacements, size_of
 from lipwright.rig import Corrective, LinearMapping, Rig, Row
 
 SPEECH: Final = (*GROUPS["jaw"], *GROUPS["lips"], "cheekPuff", *GROUPS["tongue"])
 """the canonical controls that a mouth follows"""
-LIPS: Final = 4.0  # weight of a mm of the lips' gap against a mm of the mean vertex
-SHAPE: Final = 2.0  # weight of a mm of the lips' width and of their protrusion, the same way
-TONGUE: Final = 1.0  # weight of the mean square of the tongue against that of all else
 ALONE: Final = 0.5  # weight of the poses of single controls against those of speech, which is 1
 LOOKS: Final = 0.3  # weight of the looks of the rig as poses, the same way
 SURE: Final = 300.0  # mm^2 for a control 1 off in its own look
-MILLIMETRES: Final = 1000.0  # in a m
-MOVING: Final = 1e-5  # m; a vertex that no control moves further is not looked at
 HELPS: Final = 0.01  # share of the error; a corrective that helps less is not worth its line
 ALIKE: Final = 0.1  # cosine between what a control and what a source show
 OPENING: Final = 0.1  # of the control that opens the lips most; what opens less makes no way
@@ -80,9 +76,10 @@ def fit_looks(rig: Rig, head: Head, options: FitOptions | None = None) -> Fitted
     """
     options = options or FitOptions()
     names = _controls(rig, [name for name in rig.names if rig.looks.get(name)], options)
-    displaced = _displacements(head, CANONICAL)
-    shown = np.tensordot(rig.look_of(names).astype(np.float64), displaced, axes=1)
-    return _fit(rig, names, displaced, shown, head, options, rig.look_of(names))
+    displaced = displacements(head, CANONICAL)
+    looks = rig.look_of(names).astype(np.float64)
+    shown = np.asarray(np.tensordot(looks, displaced, axes=1), np.float64)
+    return _fit(rig, names, displaced, shown, head, options, looks)
 
 
 def fit_meshes(source: Mesh, target: Mesh, rig: Rig, options: FitOptions | None = None) -> Fitted:
@@ -105,9 +102,9 @@ def fit_meshes(source: Mesh, target: Mesh, rig: Rig, options: FitOptions | None 
         raise LipwrightError(
             f"{source.name}: no blendshape of it is a canonical control; fit from the head"
         )
-    displaced = _displacements(source, CANONICAL)
-    shown = _displacements(target, names)
-    size = _size(source.vertices) / _size(target.vertices)
+    displaced = displacements(source, CANONICAL)
+    shown = displacements(target, names)
+    size = size_of(source.vertices) / size_of(target.vertices)
     return _fit(rig, names, displaced, shown * size, source, options)
 
 
@@ -140,20 +137,6 @@ def _controls(rig: Rig, seen: Sequence[str], options: FitOptions) -> tuple[str, 
     return tuple(seen)
 
 
-def _displacements(mesh: Mesh, names: Sequence[str]) -> Floats:
-    """(n, V, 3) m, what each named blendshape moves at 1; nothing where the mesh has none."""
-    moved = np.zeros((len(names), len(mesh.vertices), 3))
-    for row, name in enumerate(names):
-        if name in mesh.shape_names:
-            vertices, deltas = mesh.shape(name)
-            moved[row, vertices] = deltas
-    return moved
-
-
-def _size(vertices: npt.NDArray[np.floating]) -> float:
-    return float(np.linalg.norm(vertices - vertices.mean(axis=0)))
-
-
 @dataclass(frozen=True)
 class _Sources:
     """P names, each a canonical control or both sides of one, and how poses give them."""
@@ -179,7 +162,7 @@ class _Sources:
 
 
 def _sources(rig: Rig, names: Sequence[str], allowed: Collection[str]) -> _Sources:
-    """Sources by their side only for a rig that has sides."""
+    """By their side only for a rig that has sides."""
     chosen = [name for name in CANONICAL if name in set(allowed)]
     if any(name in rig.mirror for name in names):
         return _Sources(tuple(chosen))
@@ -193,18 +176,18 @@ def _sources(rig: Rig, names: Sequence[str], allowed: Collection[str]) -> _Sourc
 
 def _fit(
     rig: Rig, names: tuple[str, ...], displaced: Floats, shown: Floats, mesh: Mesh,
-    options: FitOptions, looks: npt.NDArray[np.float32] | None = None,
+    options: FitOptions, looks: Floats | None = None,
 ) -> Fitted:  # fmt: skip
     sources = _sources(rig, names, options.sources)
     poses = speech_poses() if options.poses is None else np.asarray(options.poses, np.float64)
     alone = sources.alone()
-    looks = np.zeros((0, len(CANONICAL))) if looks is None else looks.astype(np.float64)
-    every = np.concatenate([poses, alone, looks])
-    shares = ((poses, 1.0), (alone, ALONE), (looks, LOOKS))
+    own = np.zeros((0, len(CANONICAL))) if looks is None else looks
+    every = np.concatenate([poses, alone, own])
+    shares = ((poses, 1.0), (alone, ALONE), (own, LOOKS))
     weights = np.concatenate([np.full(len(p), share / max(len(p), 1)) for p, share in shares])
     known = np.zeros((len(every), len(names)))
-    known[len(every) - len(looks) :] = np.eye(len(names))[: len(looks)]
-    view = _View.of(displaced, mesh)
+    known[len(every) - len(own) :] = np.eye(len(names))[: len(own)]
+    view = View.of(displaced, mesh)
     wanted, seen = _shortened(view.see(displaced), view.see(shown))
     problem = Problem(
         poses=sources.of(every),
@@ -238,7 +221,7 @@ def _worth_trying(problem: Problem, alone: Floats) -> npt.NDArray[np.bool_]:
 
 def _shortened(wanted: Floats, seen: Floats) -> tuple[Floats, Floats]:
     """(C, F) and (K, F) as (C, C + K) and (K, C + K): the same lengths and angles in less room."""
-    short = np.linalg.qr(np.concatenate([wanted, seen]).T, mode="r").T
+    short = np.asarray(np.linalg.qr(np.concatenate([wanted, seen]).T, mode="r"), np.float64).T
     return short[: len(wanted)], short[len(wanted) :]
 
 
@@ -316,44 +299,3 @@ def _result(
         float(np.sqrt((off[:speech] ** 2).sum(axis=1).mean())),
         float(np.sqrt((problem.wanted[:speech] ** 2).sum(axis=1).mean())),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _View:
-    """What is looked at: vertices that move, and the lips where they are known."""
-
-    moving: npt.NDArray[np.intp]
-    """vertices"""
-    lips: npt.NDArray[np.int32]
-    """(pairs, 2), upper and lower inner-lip vertices: centre, left, right; or (0, 2)"""
-    share: Floats
-    """of each moving vertex; the tongue, small and hidden, counts as much as all the rest"""
-    rest: Floats
-    """(pairs,), the gap of each at rest, weighed"""
-
-    @classmethod
-    def of(cls, displaced: Floats, mesh: Mesh) -> _View:
-        lips = mesh.lip_pairs if isinstance(mesh, Head) else np.zeros((0, 2), np.int32)
-        moving = np.flatnonzero(np.abs(displaced).max(axis=(0, 2), initial=0) > MOVING)
-        heights = mesh.vertices[lips, 1].astype(np.float64)
-        tongues = [part.vertices for part in mesh.parts if part.name == "tongue"]
-        inside = np.isin(moving, [v for span in tongues for v in range(span.start, span.stop)])
-        share = np.where(inside, TONGUE / max(inside.sum(), 1), 1 / max((~inside).sum(), 1))
-        return cls(moving, lips, share, (heights[:, 0] - heights[:, 1]) * MILLIMETRES * LIPS)
-
-    def see(self, displaced: Floats) -> Floats:
-        """(n, F) mm, of displacements (n, V, 3): the mean square over vertices, and the lips."""
-        each = displaced[:, self.moving] * np.sqrt(self.share)[:, None]
-        flat = each.reshape(len(displaced), -1)
-        if not len(self.lips):
-            return flat * MILLIMETRES
-        ends = displaced[:, self.lips]  # (n, pairs, 2, 3)
-        width = (ends[:, 1, :, 0] - ends[:, 2, :, 0]).mean(axis=1)
-        forward = ends[..., 2].mean(axis=(1, 2))
-        shape = np.stack([width, forward], axis=1) * SHAPE
-        return np.concatenate([flat, shape], axis=1) * MILLIMETRES
-
-    def gaps(self, displaced: Floats) -> Floats:
-        """(n, pairs) mm, how far they open the lips, weighed."""
-        ends = displaced[:, self.lips, 1]
-        return np.asarray((ends[..., 0] - ends[..., 1]) * MILLIMETRES * LIPS)
