@@ -24,12 +24,29 @@ from lipwright.face.skinning import SkinnedMesh
 from lipwright.face.turning import head_rotations
 from lipwright.pipeline import animate
 from lipwright.retarget import retarget
+from lipwright.retarget.bone_rig import (
+    fit_character,
+    moving_shapes,
+    other_side,
+    placed_bones,
+)
 from lipwright.retarget.bone_weights import solve_weights
-from lipwright.retarget.bones import FitOptions, fit_bones
+from lipwright.retarget.bones import FitOptions, fit_bones, residuals
 from lipwright.retarget.skinned import bone_channels, posed_at, shape_transforms, skin_mesh
-from lipwright.rig import Bone, Control, LinearMapping, Rig, Row, load_rig
+from lipwright.rig import CHANNELS, Bone, Control, LinearMapping, Rig, Row, load_rig
 
 Floats = npt.NDArray[np.float64]
+
+ROOT = Path(__file__).resolve().parents[1]
+HELLO = ROOT / "examples" / "hello"
+GRID = ROOT.parent / "shared" / "corpora" / "grid-s1" / "audio"
+SENTENCES = {
+    "pwip8p": "place white in P eight please",
+    "swbp1a": "set white by P one again",
+    "brwg6n": "bin red with G six now",
+    "lwws5s": "lay white with S five soon",
+}
+SHIPPED = load_rig("bones")
 
 BONES = (
     Bone("base"),
@@ -54,7 +71,7 @@ def planted() -> tuple[SkinnedMesh, Floats]:
     middles = np.array([[0.0, 0.45, 0.9]])
     weights = np.exp(-0.5 * ((along - middles) / 0.15) ** 2)
     weights /= weights.sum(axis=1, keepdims=True)
-    channels = RNG.uniform(-1, 1, (5, 3, 6)) * [0.01, 0.01, 0.01, 12, 12, 12]
+    channels = np.random.default_rng(6).uniform(-1, 1, (5, 3, 6)) * [0.01, 0.01, 0.01, 12, 12, 12]
     channels[:, 0] = 0.0
     rest = POINTS.astype(np.float32).astype(np.float64)
     return SkinnedMesh(made_mesh(rest), Skeleton.of(BONES), weights), channels
@@ -114,7 +131,7 @@ class TestSkin:
         place = np.array(BONES[1].at)
         rotated = (skinned.mesh.vertices - place) @ rotation_matrices([30, -20, 10]).T + place
         posed = SkinnedMesh(skinned.mesh, skinned.skeleton, weights).pose(channels)
-        np.testing.assert_allclose(posed, rotated + [0.01, 0.02, -0.01], atol=1e-7)
+        np.testing.assert_allclose(posed, rotated + np.array([0.01, 0.02, -0.01]), atol=1e-7)
 
     def test_wrong_weights_are_refused(self) -> None:
         skinned, _ = planted()
@@ -202,6 +219,136 @@ def small_rig() -> Rig:
             }
         ),
     )
+
+
+FACE = ("jawOpen", "mouthClose", "mouthSmileLeft", "mouthSmileRight", "jawForward")
+
+
+def face_mesh(size: float = 1.0, shift: Sequence[float] = (0, 0, 0)) -> Mesh:
+    """The planted mesh under names of the face, larger and elsewhere."""
+    skinned, channels = planted()
+    place = size * skinned.mesh.vertices.astype(np.float64) + shift
+    posed = dict(zip(FACE, channels, strict=True))
+    return made_mesh(place, **{n: size * skinned.pose(c) + shift for n, c in posed.items()})
+
+
+class TestOtherCharacters:
+    def test_bones_are_placed_where_the_face_moves(self) -> None:
+        rig = small_rig()
+        bones, size = placed_bones(rig, face_mesh(), face_mesh(3.0, (0.5, 1.6, -0.2)), FACE)
+        assert size == pytest.approx(3.0, rel=1e-5)
+        for bone, own in zip(bones, rig.bones, strict=True):
+            expected = 3 * np.array(own.at) + [0.5, 1.6, -0.2]
+            np.testing.assert_allclose(bone.at, expected, atol=1e-5)
+
+    def test_a_fit_becomes_a_rig_that_gives_the_fitted_transforms(self) -> None:
+        mesh = face_mesh()
+        bare = replace(small_rig(), mapping=None)
+        fit, rig = fit_character(mesh, bare, BONES, 1.0)
+        given = shape_transforms(rig, FACE)
+        height = float(np.ptp(mesh.vertices[:, 1]))
+        np.testing.assert_allclose(given[..., :3], fit.transforms[..., :3], atol=1.5e-4 * height)
+        np.testing.assert_allclose(given[..., 3:], fit.transforms[..., 3:], atol=0.5)
+        assert rig.bones == BONES
+        assert all(control.name.startswith(("base.", "arm.", "hand.")) for control in rig.controls)
+
+    def test_a_mirrored_face_is_refused(self) -> None:
+        with pytest.raises(LipwrightError, match="upright face that looks along z"):
+            placed_bones(small_rig(), face_mesh(), face_mesh(-1.0), FACE)
+
+    def test_too_few_blendshapes_are_refused(self) -> None:
+        with pytest.raises(LipwrightError, match="has 2 blendshapes of the blob's names"):
+            placed_bones(small_rig(), face_mesh(), face_mesh(), FACE[:2])
+
+    def test_a_character_without_the_names_is_refused(self) -> None:
+        with pytest.raises(LipwrightError, match="such as jawOpen; it has other"):
+            fit_character(made_mesh(POINTS, other=POINTS + 0.01), small_rig(), BONES, 1.0)
+
+
+class TestShippedRig:
+    def test_it_has_the_ten_bones_of_the_thesis_below_the_head(self) -> None:
+        """Thesis, section 4.6.2: seven of the lips, two of the tongue, one of the jaw."""
+        names = [bone.name for bone in SHIPPED.bones]
+        assert names[:2] == ["body", "head"]
+        assert sum(name.startswith("lip_") for name in names) == 7
+        assert sum(name.startswith("tongue_") for name in names) == 2
+        assert names.count("jaw") == 1
+        assert len(names) == 12
+
+    def test_each_channel_of_a_side_mirrors_that_of_the_other(self) -> None:
+        assert all(other_side(name) == SHIPPED.mirror[name] for name in SHIPPED.mirror)
+        left = shape_transforms(SHIPPED, ["mouthSmileLeft"])[0]
+        right = shape_transforms(SHIPPED, ["mouthSmileRight"])[0]
+        names = [bone.name for bone in SHIPPED.bones]
+        swapped = left[[names.index(other_side(name)) for name in names]]
+        np.testing.assert_allclose(swapped * [-1, 1, 1, 1, -1, -1], right, atol=1e-5)
+
+    def test_no_blendshape_takes_a_channel_out_of_its_range(self) -> None:
+        shapes = sorted(SHIPPED.mapping.sources)
+        gains = np.zeros((len(shapes), len(SHIPPED.bones), 6))
+        numbers = {bone.name: number for number, bone in enumerate(SHIPPED.bones)}
+        for control, row in SHIPPED.mapping.rows.items():
+            bone, channel = control.split(".")
+            for shape, gain in row.gains.items():
+                gains[shapes.index(shape), numbers[bone], CHANNELS.index(channel)] = gain
+        np.testing.assert_allclose(shape_transforms(SHIPPED, shapes), gains, atol=1e-6)
+
+    def test_what_bones_cannot_show_of_each_blendshape_is_little(
+        self, boned: tuple[Head, SkinnedMesh]
+    ) -> None:
+        head, skinned = boned
+        shapes = moving_shapes(head, SHIPPED)
+        rows = residuals(skinned, shapes, shape_transforms(SHIPPED, shapes))
+        assert max(row.rms_mm for row in rows) < 2.0
+        assert max(row.worst_mm for row in rows) < 7.0
+        assert max(row.share for row in rows) < 0.36
+
+    def test_teeth_are_held_by_jaw_and_head_alone_nearly(
+        self, boned: tuple[Head, SkinnedMesh]
+    ) -> None:
+        head, skinned = boned
+        held = {
+            part.name: skinned.weights[part.vertices].mean(axis=0)
+            for part in head.parts
+            if part.name.startswith("teeth")
+        }
+        assert held["teethUpper"][skinned.skeleton.names.index("head")] == 1
+        assert held["teethLower"][skinned.skeleton.names.index("jaw")] > 0.9
+
+    def test_the_shirt_stays_with_the_body(self, boned: tuple[Head, SkinnedMesh]) -> None:
+        head, skinned = boned
+        (shirt,) = (part for part in head.parts if part.name == "shirt")
+        assert (skinned.weights[shirt.vertices, 0] == 1).all()
+
+    def test_speech_opens_and_shuts_the_lips_as_blendshapes_do(
+        self, boned: tuple[Head, SkinnedMesh]
+    ) -> None:
+        said = animate(HELLO.with_suffix(".flac"), HELLO.with_suffix(".txt").read_text())
+        check_lips(*boned, said.clip)
+
+    @pytest.mark.skipif(not GRID.exists(), reason="the corpora are not here")
+    def test_sentences_open_and_shut_the_lips_as_blendshapes_do(
+        self, boned: tuple[Head, SkinnedMesh]
+    ) -> None:
+        for name, text in SENTENCES.items():
+            check_lips(*boned, animate(GRID / f"{name}.flac", text).clip)
+
+
+@pytest.fixture(scope="module")
+def boned(head: Head) -> tuple[Head, SkinnedMesh]:
+    """The head, and on the bones that ship."""
+    return head, skin_mesh(head, SHIPPED)
+
+
+def check_lips(head: Head, skinned: SkinnedMesh, clip: Clip) -> None:
+    """Apertures go together, and where the blendshapes shut the lips the bones do."""
+    own = head.aperture_curve(clip.select(CANONICAL).values)
+    channels = bone_channels(retarget(clip, SHIPPED), SHIPPED)
+    boned = np.array([float(head.aperture(posed)) for posed in skinned.pose_many(channels)])
+    assert np.corrcoef(own, boned)[0, 1] > 0.995
+    shut = own < 0.05 * np.percentile(own, 95)
+    assert shut.any()
+    assert (boned[shut] < 0.10 * np.percentile(boned, 95)).all()
 
 
 class TestRigOfBones:
