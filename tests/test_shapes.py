@@ -176,6 +176,14 @@ class TestChoice:
         for one, two in zip(reference, other, strict=True):
             assert one.start == pytest.approx(two.start, abs=STEP + 1e-9)
 
+    def test_round_lips_and_lips_on_teeth_are_no_closures_though_they_let_no_light_through(
+        self,
+    ) -> None:
+        clip = played(["wide", "round", "wide", "teeth", "wide"], [0.2, 0.12, 0.2, 0.12, 0.2])
+        dark = clip.with_curves({"jawOpen": np.where(clip.curve("jawOpen") > 0.2, 0.4, 0)})
+        shown = choose_shapes(dark, DRAWN)
+        assert [shape.name for shape in shown] == ["wide", "round", "wide", "teeth", "wide"]
+
     def test_a_mumbler_opens_the_widest_drawing_too(self) -> None:
         quiet = played(["small", "wide", "small"], [0.4, 0.4, 0.4])
         half = quiet.with_values(quiet.values / 2)

@@ -247,12 +247,16 @@ def _reach(apertures: Floats, drawn: Floats) -> float:
     return float(np.clip(drawn.max() / wide, 1.0, REACH)) if wide > SHUT else 1.0
 
 
+def _are_shut(seen: Floats) -> npt.NDArray[np.bool_]:
+    """(n,), whether lips are shut as for p, b, m and at rest: not those of f, nor round ones."""
+    return (seen[:, 0] < SHUT) & (seen[:, 1] > -UNITS[1]) & (seen[:, 3] < UNITS[3])
+
+
 def _rest_and_shut(names: tuple[str, ...], looks: Floats) -> tuple[int, list[int]]:
     """The shape of pauses, and those that show a closure: the others that are shut, if any."""
-    rest = int((_scaled(looks) ** 2).sum(axis=1).argmin())
-    for usual in ("X", "rest", "sil"):
-        rest = names.index(usual) if usual in names else rest
-    closed = (looks[:, 0] < SHUT) & (looks[:, 3] < UNITS[3])
+    usual = [names.index(name) for name in ("X", "rest", "sil") if name in names]
+    rest = usual[0] if usual else int((_scaled(looks) ** 2).sum(axis=1).argmin())
+    closed = _are_shut(looks)
     shut = [int(label) for label in np.flatnonzero(closed) if label != rest]
     if shut:
         return rest, shut
@@ -265,10 +269,11 @@ def _pauses_and_closures(
     """Start and end in s of where nobody speaks, and the times in s at which lips have to meet."""
     # Steps miss a frame between them that alone is shut, and frames the edges of phones.
     times = np.union1d(clip.times, np.arange(0, clip.duration, STEP))
-    apertures = _seen_at(clip, times)[:, 0].clip(min=0)
+    seen = _seen_at(clip, times)
+    apertures = seen[:, 0].clip(min=0)
     limit = SHUT
     if track is None:
-        spans = _spans(apertures < SHUT)
+        spans = _spans(_are_shut(seen))
         lasting = [(float(times[first]), float(times[stop - 1])) for first, stop in spans]
         pauses = [(start, end) for start, end in lasting if end - start >= QUIET]
         spoken = [span for span, shut in zip(spans, lasting, strict=True) if shut not in pauses]
