@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lipwright.capture.livelink import read_live_link
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT, CANONICAL, HEAD_ANGLES
 from lipwright.export import ExportOptions, export_clip
+from lipwright.export.livelink_read import read_live_link
 from lipwright.face.head import Head
 from lipwright.face.neck import turn_shares, turned
 from lipwright.face.render import Renderer, pose_weights

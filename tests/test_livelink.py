@@ -23,15 +23,15 @@ from lipwright.capture.arkit_import import (
     take_stem,
 )
 from lipwright.capture.arkit_motion import to_motion
-from lipwright.capture.arkit_names import ANGLES, control_column
-from lipwright.capture.arkit_recording import ArkitRecording
-from lipwright.capture.livelink import is_live_link
-from lipwright.capture.timecode import codes_to_clock, parse_timecode
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT
 from lipwright.dataset.recording import Flag
 from lipwright.errors import LipwrightError
 from lipwright.export import export_clip
+from lipwright.export.arkit_names import ANGLES, control_column
+from lipwright.export.arkit_recording import ArkitRecording
+from lipwright.export.livelink_read import is_live_link
+from lipwright.export.timecode import codes_to_clock, parse_timecode
 
 NAMES = tuple(name[0].upper() + name[1:] for name in ARKIT + ANGLES)
 JAW = ARKIT.index("jawOpen")

@@ -9,10 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from lipwright.capture.arkit_recording import ArkitRecording
 from lipwright.capture.arkitjson import read_arkit_json
-from lipwright.capture.livelink import is_live_link, read_live_link
+from lipwright.capture.video import LEAST_FPS
 from lipwright.errors import LipwrightError
+from lipwright.export.arkit_recording import ArkitRecording
+from lipwright.export.livelink_read import is_live_link, read_live_link
 
 SOUND_SUFFIXES: Final = (
     ".wav", ".flac", ".aif", ".aiff", ".mov", ".mp4", ".m4v", ".m4a", ".mkv", ".webm", ".avi",
@@ -40,7 +41,7 @@ def read_arkit(path: str | os.PathLike[str], timecode_fps: int | None = None) ->
     """
     suffix = Path(path).suffix.casefold()
     if suffix == ".csv":
-        return read_live_link(path, timecode_fps)
+        return read_live_link(path, timecode_fps, LEAST_FPS)
     if suffix == ".json":
         return read_arkit_json(path, timecode_fps)
     raise LipwrightError(f"{path}: no recording of ARKit weights; name a .csv or .json file")

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.arkit_recording import ArkitRecording
 from lipwright.clip import MAX_FPS
 from lipwright.controls import ARKIT
 from lipwright.dataset.recording import Flag, Motion
+from lipwright.export.arkit_recording import ArkitRecording
 
 THESIS_FPS: Final = 30.0  # frames a second, Swedish visual speech 2018, section 4.2.1
 MAX_STEP: Final = 1.5  # frames of the phone; a longer step is a gap

@@ -14,18 +14,19 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.arkit_names import NameMatch, control_column, match_names, plain_name
-from lipwright.capture.arkit_recording import ArkitRecording, FrameTable, table_to_recording
-from lipwright.capture.stamps import (
+from lipwright.capture.video import LEAST_FPS
+from lipwright.clip import MAX_FPS
+from lipwright.errors import LipwrightError
+from lipwright.export.arkit_names import NameMatch, control_column, match_names, plain_name
+from lipwright.export.arkit_recording import ArkitRecording, FrameTable, table_to_recording
+from lipwright.export.jsonclip import FORMAT, read_clip_json
+from lipwright.export.stamps import (
     TIME_NAMES,
     FrameTimes,
     Stamps,
     even_times,
     stamps_to_times,
 )
-from lipwright.clip import MAX_FPS
-from lipwright.errors import LipwrightError
-from lipwright.export.jsonclip import FORMAT, read_clip_json
 from lipwright.formats.jsontrack import is_number
 from lipwright.formats.source import read_text
 
@@ -299,4 +300,4 @@ def _recording(
         timecode=times.timecode,
         notes=times.notes,
     )
-    return table_to_recording(path, table)
+    return table_to_recording(path, table, LEAST_FPS)

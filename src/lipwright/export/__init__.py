@@ -91,7 +91,8 @@ EXPORTERS: Final = MappingProxyType({
         "table: time and one column a control", "lipwright.export.csvclip", reads=True
     ),
     ".livelink.csv": Exporter(
-        "Live Link Face recording, for Unreal", "lipwright.export.livelink", rig="arkit"
+        "Live Link Face recording, for Unreal", "lipwright.export.livelink", rig="arkit",
+        reads=True,
     ),
     ".glb": Exporter(
         "animated head, with its sound beside it as WAV", "lipwright.export.glb", reads=True,

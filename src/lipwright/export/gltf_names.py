@@ -29,7 +29,7 @@ def loose_name(name: str) -> str:
     `Head.jawOpen`, `blendShape1.jawOpen` and `jaw_open` are one, as are `mouthSmile_L` and
     `mouthSmileLeft`.
     """
-    sided = _SIDE.sub(lambda found: "Left" if found[found.lastindex] in "lL" else "Right", name)
+    sided = _SIDE.sub(lambda end: "Left" if (end[1] or end[2]) in "lL" else "Right", name)
     last = re.split(r"[.:|/]", sided)[-1] or sided
     return re.sub(r"[\W_]+", "", _PREFIX.sub("", last)).casefold()
 

@@ -23,6 +23,7 @@ from lipwright.errors import LipwrightError
 from lipwright.export.performance import (
     ExportOptions,
     Output,
+    PathLike,
     Performance,
     rounded_rows,
     text_output,
@@ -74,3 +75,10 @@ def timecode(time: float, base: int) -> str:
     minutes, seconds = divmod(seconds, 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours:02}:{minutes:02}:{seconds:02}:{frames:02}.{thousandths:03}"
+
+
+def read(path: PathLike) -> Clip:
+    """The clip of a recording, also of the app's own; see `livelink_read`."""
+    from lipwright.export.livelink_read import read_clip_live_link
+
+    return read_clip_live_link(path)

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.timecode import TimeCode, codes_to_clock, parse_timecode
 from lipwright.errors import LipwrightError
+from lipwright.export.timecode import TimeCode, codes_to_clock, parse_timecode
 from lipwright.formats.jsontrack import is_number
 from lipwright.formats.source import MAX_SECONDS
 

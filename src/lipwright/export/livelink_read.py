@@ -19,22 +19,26 @@ from typing import Final
 
 import numpy as np
 
-from lipwright.capture.arkit_names import (
+from lipwright.clip import Clip
+from lipwright.controls import ARKIT, HEAD_ANGLES
+from lipwright.errors import LipwrightError
+from lipwright.export.arkit_names import (
     MIN_NAMES,
     NameMatch,
     control_column,
     match_names,
     plain_name,
 )
-from lipwright.capture.arkit_recording import ArkitRecording, FrameTable, table_to_recording
-from lipwright.capture.stamps import TIME_NAMES, Stamps, stamps_to_times
-from lipwright.controls import ARKIT
-from lipwright.errors import LipwrightError
+from lipwright.export.arkit_recording import ArkitRecording, FrameTable, table_to_recording
+from lipwright.export.livelink import SIGNS
+from lipwright.export.stamps import TIME_NAMES, Stamps, stamps_to_times
 from lipwright.formats.source import decode_text, parse_number, read_text
 
 APP: Final = "Live Link Face"
 TIMECODE: Final = "timecode"
 COUNT: Final = "blendshapecount"  # also written BlendshapeCount; 0 where the app saw no face
+
+ROUNDING: Final = 1e-4  # s; finer than the app writes times, where frames are evenly spaced
 
 _HEADER_BYTES: Final = 16384
 _DELIMITERS: Final = (",", ";", "\t")  # the app's, Excel's where the decimal sign is a comma
@@ -62,12 +66,15 @@ def is_live_link(path: str | os.PathLike[str]) -> bool:
     return any(plain_name(name) == TIMECODE for name in names) and len(known) >= MIN_NAMES
 
 
-def read_live_link(path: str | os.PathLike[str], timecode_fps: int | None = None) -> ArkitRecording:
+def read_live_link(
+    path: str | os.PathLike[str], timecode_fps: int | None = None, least_fps: float = 0.0
+) -> ArkitRecording:
     """The recording of a CSV file.
 
     Args:
         path: the file.
         timecode_fps: frames a second that its time codes count; None finds it out.
+        least_fps: frames a second of the phone, fewer are refused.
 
     Raises:
         LipwrightError: the header lacks a time or ARKit's names, a cell is wrong, or the frames
@@ -103,7 +110,33 @@ def read_live_link(path: str | os.PathLike[str], timecode_fps: int | None = None
         timecode=clock.timecode,
         notes=(*notes, *clock.notes),
     )
-    return table_to_recording(path, table)
+    return table_to_recording(path, table, least_fps)
+
+
+def read_clip_live_link(path: str | os.PathLike[str]) -> Clip:
+    """A recording as a clip that starts with its first frame, at the phone's rate.
+
+    Turns of the head come along where there are some. Frames off the even grid are sampled on it,
+    and frames without a face or left out are filled, linearly.
+
+    Raises:
+        LipwrightError: as `read_live_link`.
+    """
+    recording = read_live_link(path)
+    when = recording.times - recording.times[0]
+    seen = recording.valid
+    values, names = recording.values, ARKIT
+    if recording.angles is not None:
+        turns = recording.angles[:, : len(HEAD_ANGLES)] * np.array(SIGNS, np.float32)
+        if np.nan_to_num(turns).any():
+            values, names = np.concatenate([values, turns], axis=1), ARKIT + HEAD_ANGLES
+    count = round(float(when[-1]) * recording.fps) + 1
+    grid = np.arange(count) / recording.fps
+    even = seen.all() and count == len(when) and np.abs(grid - when).max() < ROUNDING
+    if not even:
+        columns = [np.interp(grid, when[seen], column[seen]) for column in values.T]
+        values = np.stack(columns, axis=1).astype(np.float32)
+    return Clip(names, recording.fps, values)
 
 
 def _header_cells(line: str) -> list[str]:

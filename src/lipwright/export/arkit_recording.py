@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.capture.arkit_names import ANGLES, NameMatch
-from lipwright.capture.video import LEAST_FPS
 from lipwright.clip import MAX_FPS
 from lipwright.controls import ARKIT
 from lipwright.errors import LipwrightError
+from lipwright.export.arkit_names import ANGLES, NameMatch
 
 USUAL_FPS: Final = (
     24000 / 1001, 24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 100.0, 120.0,
@@ -106,8 +105,15 @@ class FrameTable:
     notes: tuple[str, ...] = field(default=())
 
 
-def table_to_recording(path: str | os.PathLike[str], table: FrameTable) -> ArkitRecording:
+def table_to_recording(
+    path: str | os.PathLike[str], table: FrameTable, least_fps: float = 0.0
+) -> ArkitRecording:
     """Sorted, checked and clamped frames.
+
+    Args:
+        path: the file, for errors.
+        table: its frames.
+        least_fps: frames a second, fewer are refused.
 
     Raises:
         LipwrightError: there are too few frames or none with a face, times jump, or a value is no
@@ -132,7 +138,7 @@ def table_to_recording(path: str | os.PathLike[str], table: FrameTable) -> Arkit
         of_values = (*of_values, f"{_frames(int(lost.sum()))} without a face")
     angles, of_angles = _angles(table.match, full[:, len(ARKIT) :], lost)
     return ArkitRecording(
-        fps=_frame_rate(path, times),
+        fps=_frame_rate(path, times, least_fps),
         times=times,
         values=values.astype(np.float32),
         angles=angles,
@@ -238,13 +244,15 @@ def _angles(
     return angles.astype(np.float32), ()
 
 
-def _frame_rate(path: str | os.PathLike[str], times: npt.NDArray[np.float64]) -> float:
+def _frame_rate(
+    path: str | os.PathLike[str], times: npt.NDArray[np.float64], least_fps: float
+) -> float:
     """The phone's frames a second: a usual rate where the mean step without gaps fits one."""
     steps = np.diff(times)
     middle = float(np.sort(steps)[(len(steps) - 1) // 2])
     # Times in whole milliseconds: the mean is exact where the median is not.
     fps = 1 / float(steps[(steps > 0.5 * middle) & (steps < 1.5 * middle)].mean())
-    if fps < LEAST_FPS:
+    if fps < least_fps:
         raise LipwrightError(
             f"{path}: {fps:.3g} frames a second are too few for speech; record at 30 or more"
         )
