@@ -66,6 +66,7 @@ FOLLOWS = {
 SHAPES = (*GROUPS["jaw"], *GROUPS["lips"], "cheekPuff", *GROUPS["tongue"])
 
 ROUNDS = 15
+TILE = 192  # px, a side of each picture
 REFLECT = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of channels, left for right
 
 LACKS = {
@@ -163,7 +164,7 @@ def print_residuals(skinned: SkinnedMesh, rig: Rig) -> None:
 def write_sheet(head: Head, skinned: SkinnedMesh, rig: Rig, path: Path) -> None:
     """Two rows of pairs: blendshapes above, bones below."""
     tiles: list[list[npt.NDArray[np.uint8]]] = [[], []]
-    with Renderer(head, 256, 256, view="mouth") as renderer:
+    with Renderer(head, TILE, TILE, view="mouth") as renderer:
         for pose in POSES.values():
             sided = {
                 side: weight
