@@ -20,9 +20,9 @@ from lipwright.phones import BILABIALS
 from lipwright.pipeline import Result, animate
 from lipwright.retarget import retarget
 from lipwright.retarget.holding import cheapest_labels
+from lipwright.retarget.seeing import SEEN
 from lipwright.retarget.shapes import (
     HOLD,
-    SEEN,
     STEP,
     ShownShape,
     choose_shapes,

@@ -1,73 +1,31 @@
-"""Drawn mouths: which of a rig's shapes shows when, chosen for the whole clip at once.
-
-What is compared is what one sees of a mouth: aperture, lip width, pout, lip on teeth and tongue.
-"""
+"""Drawn mouths: which of a rig's shapes shows when, chosen for the whole clip at once."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import Clip
-from lipwright.controls import CANONICAL, both_sides
+from lipwright.controls import both_sides
 from lipwright.errors import LipwrightError
 from lipwright.phones import BILABIALS, SILENCE
 from lipwright.retarget.holding import cheapest_labels
+from lipwright.retarget.seeing import SEEN, SHUT, are_shut, scaled, seen_at, seen_of
 from lipwright.rig import Rig
 from lipwright.track import PhoneTrack
 
 Floats = npt.NDArray[np.float64]
-
-SEEN: Final = MappingProxyType({
-    "jawForward": (0.023, -0.003, 0.023),
-    "jawOpen": (0.569, -0.059, 0.011),
-    "mouthClose": (-0.569, 0.068, -0.004),
-    "mouthFunnel": (0.179, -0.080, 0.075),
-    "mouthPucker": (-0.039, -0.146, 0.034),
-    "mouthSmile": (-0.022, 0.121, 0.048),
-    "mouthFrown": (-0.001, 0.019, 0.000),
-    "mouthDimple": (-0.001, 0.087, 0.032),
-    "mouthStretch": (0.000, 0.087, 0.031),
-    "mouthRollLower": (-0.047, 0.005, -0.040),
-    "mouthRollUpper": (-0.016, 0.010, -0.061),
-    "mouthShrugLower": (-0.077, -0.003, 0.029),
-    "mouthShrugUpper": (0.056, 0.000, 0.005),
-    "mouthPress": (-0.017, 0.104, 0.001),
-    "mouthLowerDown": (0.035, 0.002, 0.003),
-    "mouthUpperUp": (0.044, -0.007, 0.000),
-    "cheekPuff": (-0.018, -0.101, -0.030),
-})  # fmt: skip
-"""canonical control (one without a side stands for either) to what a full weight adds on our head,
-in distances of its eyes: aperture, width between the corners of the lips, and how far their middle
-stands before the corners; a test measures the head again"""
-
-OVERLAP: Final = 0.005  # eye distances; lips at rest touch, and open once they no longer overlap
-LIP_ON_TEETH: Final = ("mouthRollLower",)
-TONGUE_UP: Final = ("tongueRaise", "tonguePress", "tongueOut")
-
-# What is plainly another mouth. The aperture counts by its square root: a little light between
-# shut lips shows more than as much again in an open mouth. Spread lips count half: many speakers
-# do not smile as drawings do.
-UNITS: Final = np.array([
-    0.2,  # square root of eye distances of aperture
-    0.06,  # eye distances of width
-    0.1,  # eye distances of pout, which shows little from the front
-    0.25,  # weight of lips on teeth
-    0.6,  # weight of tongue
-])  # fmt: skip
 
 UNDRAWN: Final = 0.4  # a tongue that is not drawn is missed less than one too many is seen
 
 STEP: Final = 0.01  # s, the grid of times: that of Rhubarb Lip Sync's files
 HOLD: Final = 0.08  # s; a drawing shows for two frames of 24 a second or more
 SWITCH: Final = 0.02  # s at a distance of one unit that a change of drawing is worth
-SHUT: Final = 0.005  # eye distances of aperture; below, lips look shut
 CLOSURE: Final = 0.15  # of the 95th percentile of aperture; below, p, b and m are closures
 PAUSE: Final = 0.2  # s; shorter silences are part of speech
 QUIET: Final = 0.3  # s; where nobody says what is spoken, lips that are shut for longer rest
@@ -127,7 +85,7 @@ def choose_shapes(
     """
     names = rig.names if names is None else tuple(names)
     check_drawn(clip, rig, names)
-    looks = _seen(rig.look_of(names).astype(np.float64))  # (S, 5)
+    looks = seen_of(rig.look_of(names).astype(np.float64))  # (S, 5)
     costs = _costs(clip, track, looks, *_rest_and_shut(names, looks))
     labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
     return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
@@ -139,9 +97,9 @@ def _costs(
     """(T, S), units², of showing each shape at each step."""
     steps = max(1, math.ceil(clip.duration / STEP - 1e-6))
     middles = np.asarray((np.arange(steps) + 0.5) * STEP, np.float64)
-    seen = _seen_at(clip, middles)
+    seen = seen_at(clip, middles)
     seen[:, 0] *= _reach(seen[:, 0], looks[:, 0])
-    wrong = _scaled(seen)[:, None] - _scaled(looks)  # (T, S, 5)
+    wrong = scaled(seen)[:, None] - scaled(looks)  # (T, S, 5)
     wrong[:, :, 4] *= np.where(wrong[:, :, 4] > 0, UNDRAWN, 1.0)
     costs = (wrong**2).sum(axis=2)
     pauses, closures = _pauses_and_closures(clip, track)
@@ -209,54 +167,17 @@ def _runs(labels: list[str], step: float, end: float) -> tuple[ShownShape, ...]:
     )
 
 
-def _table() -> Floats:
-    """(55, 5), what a full weight of each canonical control adds to what is seen."""
-    table = np.zeros((len(CANONICAL), len(UNITS)))
-    for name, row in SEEN.items():
-        for side in both_sides(name):
-            table[CANONICAL.index(side), :3] = row
-    for column, controls in ((3, LIP_ON_TEETH), (4, TONGUE_UP)):
-        for name in controls:
-            table[CANONICAL.index(name), column] = 1.0
-    return table
-
-
-def _seen(weights: Floats) -> Floats:
-    """(n, 5), aperture, width, pout, lip on teeth and tongue of canonical weights (n, 55)."""
-    return np.asarray(weights @ _table() - [OVERLAP, 0, 0, 0, 0])
-
-
-def _seen_at(clip: Clip, times: Floats) -> Floats:
-    """(len(times), 5), linear between the clip's frames, as its weights are."""
-    frames = _seen(clip.select(CANONICAL).values.astype(np.float64))
-    return np.stack([np.interp(times, clip.times, column) for column in frames.T], axis=1)
-
-
-def _scaled(seen: Floats) -> Floats:
-    """(n, 5), in units of what is plainly another mouth."""
-    scaled = seen.copy()
-    scaled[:, 0] = np.sqrt(np.maximum(seen[:, 0], 0))
-    scaled[:, 1] = np.minimum(seen[:, 1], seen[:, 1] / 2)
-    scaled[:, 4] = np.clip(seen[:, 4], 0, 1)
-    return np.asarray(scaled / UNITS)
-
-
 def _reach(apertures: Floats, drawn: Floats) -> float:
     """What to multiply apertures by, so that a speaker's wide open mouth is the widest drawing."""
     wide = float(np.percentile(apertures, WIDEST))
     return float(np.clip(drawn.max() / wide, 1.0, REACH)) if wide > SHUT else 1.0
 
 
-def _are_shut(seen: Floats) -> npt.NDArray[np.bool_]:
-    """(n,), whether lips are shut as for p, b, m and at rest: not those of f, nor round ones."""
-    return (seen[:, 0] < SHUT) & (seen[:, 1] > -UNITS[1]) & (seen[:, 3] < UNITS[3])
-
-
 def _rest_and_shut(names: tuple[str, ...], looks: Floats) -> tuple[int, list[int]]:
     """The shape of pauses, and those that show a closure: the others that are shut, if any."""
     usual = [names.index(name) for name in ("X", "rest", "sil") if name in names]
-    rest = usual[0] if usual else int((_scaled(looks) ** 2).sum(axis=1).argmin())
-    closed = _are_shut(looks)
+    rest = usual[0] if usual else int((scaled(looks) ** 2).sum(axis=1).argmin())
+    closed = are_shut(looks)
     shut = [int(label) for label in np.flatnonzero(closed) if label != rest]
     if shut:
         return rest, shut
@@ -269,11 +190,11 @@ def _pauses_and_closures(
     """Start and end in s of where nobody speaks, and the times in s at which lips have to meet."""
     # Steps miss a frame between them that alone is shut, and frames the edges of phones.
     times = np.union1d(clip.times, np.arange(0, clip.duration, STEP))
-    seen = _seen_at(clip, times)
+    seen = seen_at(clip, times)
     apertures = seen[:, 0].clip(min=0)
     limit = SHUT
     if track is None:
-        spans = _spans(_are_shut(seen))
+        spans = _spans(are_shut(seen))
         lasting = [(float(times[first]), float(times[stop - 1])) for first, stop in spans]
         pauses = [(start, end) for start, end in lasting if end - start >= QUIET]
         spoken = [span for span, shut in zip(spans, lasting, strict=True) if shut not in pauses]
