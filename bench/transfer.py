@@ -175,11 +175,13 @@ def compare(planted: Planted, head: Head) -> None:
         f"{placed.mean_distance * mm:.2f} mm, 95 % {placed.worst_distance * mm:.2f} mm"
     )
     made = dict(zip(ARKIT, solver.blendshapes(head, ARKIT), strict=True))
+    shown = np.zeros(len(planted.surface.vertices), bool)
+    shown[planted.surface.triangles[placed.partners.matched]] = True
     rows = []
     for name, truth in planted.truth.items():
         error = np.linalg.norm(made[name] - truth, axis=1) * mm
         motion = np.linalg.norm(truth, axis=1) * mm
-        moved = motion > 0.05 * motion.max()
+        moved = shown & (motion > 0.05 * motion.max())
         rms, size = (float(np.sqrt((v[moved] ** 2).mean())) for v in (error, motion))
         rows.append((name, rms, size, rms / size))
     for name, rms, size, share in rows:
