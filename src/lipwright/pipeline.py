@@ -6,7 +6,7 @@ audio, words -> align -> track -> engine -> clip -> passes -> rig -> performance
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -27,11 +27,15 @@ from lipwright.export import Performance, read_clip, read_performance_json
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
+from lipwright.life import add_life, check_life
 from lipwright.passes import (
     Pass,
     apply_passes,
     bigram_passes,
+    closures_kept,
     default_passes,
+    expression,
+    intensities,
     intensity,
     learnt_passes,
     limit,
@@ -84,11 +88,19 @@ class AnimateOptions:
     """frames a second, 0.1 to 1000"""
     intensity: float = 1.0
     """0.5 mumbles, 1.5 over-articulates"""
+    intensities: Mapping[str, float] = field(default_factory=dict)
+    """amount by control, part of the face or class of phones; see `passes.intensities`"""
+    expressions: tuple[tuple[Clip | Mapping[str, float], float], ...] = ()
+    """poses or clips that lie over the speech, each with its amount; see `passes.expression`"""
+    life: float = 0.0
+    """blinks, glances, brows and head motion, 0 (none) to 2; 1 is usual"""
+    seed: int = 0
+    """which of many lives, from 0 on"""
     rig: str | Path | Rig | None = None
     """whom the curves move: the name of a rig that ships, a rig's file, or a rig; by default
     canonical controls stay"""
     passes: tuple[Pass, ...] | None = None
-    """instead of the default passes; then `intensity` is not used"""
+    """instead of the default passes; then intensities are not used"""
 
     def __post_init__(self) -> None:
         """Check."""
@@ -100,7 +112,8 @@ class AnimateOptions:
         choose_engine(*self.runs)
         _check_fps(self.fps)
         if self.passes is None:
-            default_passes(self.intensity)  # refuses what it cannot use
+            default_passes(self.intensity, self.intensities)  # refuses what it cannot use
+        check_life(self.life, self.seed)
 
     @property
     def runs(self) -> tuple[str | None, str | Path | BigramSet | None]:
@@ -146,6 +159,18 @@ class AnimateOptions:
         rig = rig_of(bigrams)
         return CANONICAL if rig.looks else rig.names
 
+    def refuse_layers(self, names: tuple[str, ...]) -> None:
+        """Refuse expressions and life over curves that move no human head.
+
+        Raises:
+            LipwrightError: there are some.
+        """
+        if self.expressions or self.life:
+            raise LipwrightError(
+                f"expressions and life move canonical controls, and these curves are {names[0]} to "
+                f"{names[-1]}; leave --expression and --life out"
+            )
+
     def chosen_passes(self) -> tuple[Pass, ...]:
         """The passes to apply to what the engine gives, in order.
 
@@ -159,8 +184,8 @@ class AnimateOptions:
             return tuple(bigram_passes(bigrams))
         phones, controls = engine_learnt(*self.runs)
         if not phones:
-            return tuple(default_passes(self.intensity))
-        return tuple(learnt_passes(self.intensity, phones, controls))
+            return tuple(default_passes(self.intensity, self.intensities))
+        return tuple(learnt_passes(self.intensity, phones, controls, self.intensities))
 
 
 def _check_fps(fps: float) -> None:
@@ -271,15 +296,30 @@ def animate_track(
     engine = get_engine(*options.runs) if bigrams is None else get_engine(OF_BIGRAMS, bigrams)
     clip = engine(track, options.fps, audio)
     if rig is None and not moves_heads(clip.names):
+        options.refuse_layers(clip.names)
         return clip
     clip = apply_passes(clip, track, options.chosen_passes())
     if rig is not None and not rig.looks:
+        options.refuse_layers(rig.names)
         return rig.fit(clip)
     if rig is not None:
         clip = rig.to_canonical(clip)
-        amount = options.intensity if options.passes is None else 1.0
-        clip = apply_passes(clip, track, [intensity(amount), limit()])
-    return canonical_rig().fit(clip)
+        if options.passes is None:
+            scaled = closures_kept(intensities(options.intensities))
+            clip = apply_passes(clip, track, [intensity(options.intensity), scaled])
+        clip = apply_passes(clip, track, [limit()])
+    return _with_layers(canonical_rig().fit(clip), track, options, audio)
+
+
+def _with_layers(
+    clip: Clip, track: PhoneTrack, options: AnimateOptions, audio: AudioFile | None
+) -> Clip:
+    """Expressions over speech, and life over both."""
+    layers = [expression(layer, amount) for layer, amount in options.expressions]
+    clip = apply_passes(clip, track, layers)
+    if options.life == 0:
+        return clip
+    return add_life(clip, track, audio, options.seed, options.life)
 
 
 def animate(

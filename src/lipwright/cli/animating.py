@@ -19,6 +19,7 @@ from lipwright.cli.aligning import (
     text_option,
 )
 from lipwright.cli.inputs import STDIN, read_text, recording
+from lipwright.cli.layering import Layers, layer_options
 from lipwright.cli.outputs import (
     Wanted,
     character_options,
@@ -48,6 +49,9 @@ Examples:
   lipwright animate talk.mp3 --phones talk.TextGrid -o talk.livelink.csv --fps 30
   lipwright animate talk.mp3 --text talk.txt --model anna-model -o talk.mp4
   lipwright animate talk.mp3 --text talk.txt --bigrams anna.json -o talk.mp4
+  lipwright animate talk.mp3 --text talk.txt --expression happy=0.5 --life -o talk.mp4
+  lipwright animate talk.mp3 --text talk.txt --onto hero.vrm -o hero.glb
+  lipwright animate talk.mp3 --text talk.txt --rig cc4 --edits talk.edits.json -o talk.json
   cat talk.wav | lipwright animate - --text talk.txt -o - --format json
 """
 
@@ -68,8 +72,7 @@ Examples:
 @click.option("--model", help="Name or folder of a network to run; see lipwright models.")
 @click.option("--bigrams", help="Name or file of a phone bigram set; see lipwright bigrams.")
 @click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
-@click.option("--intensity", type=float, default=1.0, show_default=True,
-              help="0.5 mumbles, 1.5 over-articulates.")  # fmt: skip
+@layer_options
 @dictionary_option
 @language_option
 @character_options
@@ -77,7 +80,7 @@ Examples:
 def animate(
     speech: str, text: str | None, phones: Path | None, out: tuple[str, ...],
     format: str | None,  # noqa: A002  # as the option is called
-    engine: str | None, model: str | None, bigrams: str | None, fps: float, intensity: float,
+    engine: str | None, model: str | None, bigrams: str | None, fps: float, layers: Layers,
     dictionary: Path | None, language: str, wanted: Wanted, progress: str,
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video."""
@@ -95,8 +98,10 @@ def animate(
     if phones is not None and dictionary is not None:
         raise LipwrightError(f"{dictionary}: --phones needs no dictionary; leave one of them out")
     options = AnimateOptions(
-        engine=engine, model=model, bigrams=bigrams, fps=fps, intensity=intensity, rig=wanted.rig
-    )
+        engine=engine, model=model, bigrams=bigrams, fps=fps, rig=wanted.rig,
+        intensity=layers.intensity, intensities=layers.intensities, expressions=layers.expressions,
+        life=layers.life, seed=layers.seed,
+    )  # fmt: skip
     export_options = wanted.options(Path(speech_name(speech)).stem)
     exporters_of(targets, suffix_of(format), wanted, options.controls(), _no_head(options))
     check_files(targets, speech, text, phones, dictionary, bigrams, *wanted.inputs)

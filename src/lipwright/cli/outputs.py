@@ -181,7 +181,7 @@ def _check_shown(
     """Refuse to put what moves no human head on one; our own tables hold any controls."""
     from lipwright.pipeline import moves_heads
 
-    if exporter.reads and not exporter.shows:
+    if not exporter.rig and not exporter.shows:
         return
     if rig is None and not moves_heads(names):
         raise LipwrightError(f"{target}: {who}")

@@ -32,8 +32,8 @@ from lipwright.life.voice import Voice, hear_voice
 from lipwright.track import PhoneTrack
 
 __all__ = [
-    "MOST", "Accent", "Blink", "Phrase", "Prosody", "Voice", "add_life", "find_accents",
-    "find_phrases", "find_prosody", "hear_voice", "life",
+    "MOST", "Accent", "Blink", "Phrase", "Prosody", "Voice", "add_life", "check_life",
+    "find_accents", "find_phrases", "find_prosody", "hear_voice", "life",
 ]  # fmt: skip
 
 MOST: Final = 2.0  # times the usual size
@@ -100,6 +100,18 @@ def add_life(
     return whole.with_curves(curves)
 
 
+def check_life(amount: float, seed: int) -> None:
+    """Refuse what no life can be had of.
+
+    Raises:
+        LipwrightError: the seed is no whole number from 0 on, or the amount not from 0 to 2.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise LipwrightError(f"the seed is {seed}; give a whole number from 0 on")
+    if not 0 <= amount <= MOST:
+        raise LipwrightError(f"the amount of life is {amount:g}; give a number from 0 to {MOST:g}")
+
+
 def _live(
     track: PhoneTrack,
     audio: Sound | None,
@@ -108,10 +120,7 @@ def _live(
     seed: int,
     amount: float,
 ) -> Clip:
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise LipwrightError(f"the seed is {seed}; give a whole number from 0 on")
-    if not 0 <= amount <= MOST:
-        raise LipwrightError(f"the amount of life is {amount:g}; give a number from 0 to 2")
+    check_life(amount, seed)
     prosody = find_prosody(track, None if audio is None else hear_voice(audio))
     blinks, gaze = (np.random.default_rng((seed, kind)) for kind in (_BLINKS, _GAZE))
     duration = float(times[-1])
