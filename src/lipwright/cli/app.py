@@ -17,6 +17,11 @@ from lipwright.cli import (
     heads,
     listing,
     modelling,
+    rig_bones,
+    rig_fitting,
+    rig_poses,
+    rig_transfer,
+    rigs,
     training,
 )
 from lipwright.version import VERSION
@@ -44,6 +49,11 @@ app.add_command(bigrams.bigrams)
 bigrams.bigrams.add_command(bigram_fitting.fit)
 bigrams.bigrams.add_command(bigram_tools.plot)
 bigrams.bigrams.add_command(bigram_tools.editor)
+app.add_command(rigs.rigs)
+rigs.rigs.add_command(rig_fitting.fit)
+rigs.rigs.add_command(rig_poses.poses)
+rigs.rigs.add_command(rig_transfer.transfer)
+rigs.rigs.add_command(rig_bones.bones)
 app.add_command(listing.phones)
 app.add_command(heads.head)
 app.add_command(listing.formats)

@@ -9,7 +9,7 @@ of the clip. Our head turns by the clip's head angles; another character does no
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from av.container import OutputContainer
 
     from lipwright.face.mesh import Mesh
+    from lipwright.face.render import Renderer
+    from lipwright.rig import Rig
 
 Frames = Generator[npt.NDArray[np.uint8], None, None]
 
@@ -55,19 +57,27 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     Raises:
         LipwrightError: no head is installed, or the clip moves none of the character.
     """
-    mesh = shown_character(path, performance.clip, options)
-    return [Output(path, lambda part: _write(path, part, mesh, performance, options))]
+    rig = performance.rig
+    if rig is not None and rig.bones and options.character is None:
+        from lipwright.face.head import load_head
+
+        mesh: Mesh = load_head()
+    else:
+        mesh, rig = shown_character(path, performance.clip, options), None
+    return [Output(path, lambda part: _write(path, part, mesh, rig, performance, options))]
 
 
 def _write(
-    path: Path, part: Path, mesh: Mesh, performance: Performance, options: ExportOptions
-) -> None:
+    path: Path, part: Path, mesh: Mesh, rig: Rig | None, performance: Performance,
+    options: ExportOptions,
+) -> None:  # fmt: skip
     import av
 
     fps = video_fps(performance.clip.fps)
     with performance.open_sound() as sound:
         count = frame_count(performance.clip, fps, sound)
-        with closing(_render(mesh, performance.clip, fps, count, options)) as frames:
+        times = np.arange(count) / fps
+        with closing(_render(mesh, rig, performance.clip, times, options)) as frames:
             try:
                 encode(part, frames, fps, options, sound)
             except av.error.FFmpegError as error:
@@ -87,19 +97,33 @@ def frame_count(clip: Clip, fps: float, sound: Sound | None) -> int:
     return max(math.ceil(sound.duration * fps - 1e-6), 1)
 
 
-def _render(mesh: Mesh, clip: Clip, fps: float, count: int, options: ExportOptions) -> Frames:
+def _render(
+    mesh: Mesh, rig: Rig | None, clip: Clip, times: npt.NDArray[np.float64], options: ExportOptions
+) -> Frames:
     from lipwright.face.render import Renderer
 
-    posed = clip.select(mesh.shape_names)
-    turning = clip.select(HEAD_ANGLES) if set(HEAD_ANGLES) & set(clip.names) else None
     width, height = options.size
     with Renderer(mesh, width, height, view=options.view) as renderer:
-        for frame in range(count):
-            time = [frame / fps]
-            turn = None if turning is None else turning.at(time)[0]
-            yield renderer.render(posed.at(time)[0], turn)
+        for frame, picture in enumerate(_pictures(renderer, mesh, rig, clip, times)):
+            yield picture
             if options.progress is not None:
-                options.progress(frame + 1, count)
+                options.progress(frame + 1, len(times))
+
+
+def _pictures(
+    renderer: Renderer, mesh: Mesh, rig: Rig | None, clip: Clip, times: npt.NDArray[np.float64]
+) -> Iterator[npt.NDArray[np.uint8]]:
+    """The mesh at each of `times` in s: by its blendshapes, or on the bones of `rig`."""
+    if rig is not None:
+        from lipwright.retarget.skinned import posed_at, skin_mesh
+
+        yield from map(renderer.draw, posed_at(skin_mesh(mesh, rig), rig, clip, times))
+        return
+    posed = clip.select(mesh.shape_names)
+    turning = clip.select(HEAD_ANGLES) if set(HEAD_ANGLES) & set(clip.names) else None
+    for time in times:
+        turn = None if turning is None else turning.at([time])[0]
+        yield renderer.render(posed.at([time])[0], turn)
 
 
 def encode(
