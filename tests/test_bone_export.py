@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +16,20 @@ from scipy.spatial.transform import Rotation
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
-from lipwright.export import Performance, export_all, export_clip
+from lipwright.export import ExportOptions, Performance, export_all, export_clip
+from lipwright.export.bone_skin import with_bones
+from lipwright.export.glb import mesh_to_glb
+from lipwright.export.gltf_character import read_character
+from lipwright.export.gltf_file import read_gltf
+from lipwright.export.gltf_store import Store
+from lipwright.export.gltf_surface import read_gltf_surface
 from lipwright.export.skinned import most_held, skinned_glb
 from lipwright.face.head import Head
 from lipwright.face.neck import turn_shares, turned
 from lipwright.face.skeleton import Skeleton
 from lipwright.face.skinning import SkinnedMesh
 from lipwright.retarget import retarget
+from lipwright.retarget.bone_rig import moving_shapes, placed_bones
 from lipwright.retarget.skinned import bone_channels, posed_at, skin_mesh, whole_turns
 from lipwright.rig import Bone, Control, Rig, load_rig
 from reading_gltf import Reader, reader
@@ -126,6 +133,41 @@ class TestThree:
             turn = np.reshape(found["tracks"][f"{bone.name}.quaternion"]["values"], (-1, 4))
             between = Rotation.from_quat(turn) * Rotation.from_matrix(rotations[:, number]).inv()
             assert np.degrees(between.magnitude().max()) < 2e-3
+
+
+@pytest.fixture(scope="module")
+def other(head: Head, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Our head as the file of somebody, twice as large and elsewhere."""
+    still = Clip(("jawOpen",), 30, np.zeros((1, 1), np.float32))
+    path = tmp_path_factory.mktemp("other") / "other.glb"
+    path.write_bytes(mesh_to_glb(head, still))
+    file = read_gltf(path)
+    file.document["nodes"][0] |= {"scale": [2.0] * 3, "translation": [0.5, 1.5, -0.25]}
+    path.write_bytes(Store(file.document, file.buffers[0] or b"").to_glb())
+    return path
+
+
+class TestOthersFiles:
+    def test_bones_move_a_character_of_any_size_as_in_three(
+        self, three: Bones, skinned: SkinnedMesh, head: Head, other: Path, tmp_path: Path
+    ) -> None:
+        mesh = read_character(other)
+        bones, size = placed_bones(RIG, head, mesh, moving_shapes(mesh, RIG))
+        boned = SkinnedMesh(mesh, Skeleton.of(bones), skinned.weights)
+        (tmp_path / "boned.glb").write_bytes(with_bones(read_gltf_surface(other), boned))
+        rig = replace(RIG, name="other", bones=bones)
+        moved = {name: size * CLIP.curve(name) for name in CLIP.names if ".t" in name}
+        clip = CLIP.with_curves(moved)
+        options = ExportOptions(onto=tmp_path / "boned.glb")
+        export_all([tmp_path / "x.glb"], Performance(clip, rig=rig), options=options)
+        three.load((tmp_path / "x.glb").read_bytes())
+        for time, expected in zip(TIMES, posed_at(boned, rig, clip, TIMES), strict=True):
+            np.testing.assert_allclose(three.posed_at(time), expected, atol=1e-4)
+
+    def test_a_mesh_with_a_skin_is_refused(self, skinned: SkinnedMesh, tmp_path: Path) -> None:
+        (tmp_path / "x.glb").write_bytes(skinned_glb(skinned))
+        with pytest.raises(LipwrightError, match="has a skin already"):
+            with_bones(read_gltf_surface(tmp_path / "x.glb"), skinned)
 
 
 class TestGlb:

@@ -44,7 +44,7 @@ def bones(
 
     Without CHARACTER that is our head. A CHARACTER (GLB, VRM) needs morph targets with ARKit's
     names, must be upright and look along z; the bones of a rig that ships are placed by where its
-    face moves, and fitted to its morph targets. Materials are not carried over.
+    face moves, and fitted to its morph targets. All else in its file stays as it is.
     """
     from lipwright.export import check_targets
     from lipwright.files import write_whole
@@ -61,12 +61,11 @@ def bones(
     else:
         fit, rig = _fit(character, mesh, rig, ships=rig_name in RIGS)
         skinned, left = fit.skinned, fit.residuals
+    content = None if out is None else _glb(skinned, character, mesh)
     _print(skinned, left)
-    if out is not None:
-        from lipwright.export.skinned import skinned_glb
-
+    if out is not None and content is not None:
         with write_whole(out) as part:
-            part.write_bytes(skinned_glb(skinned))
+            part.write_bytes(content)
     if saved is not None:
         save_rig(rig, saved)
 
@@ -96,6 +95,16 @@ def _fit(path: Path, mesh_name: str | None, rig: Rig, ships: bool) -> tuple[Bone
     fit, fitted = fit_character(mesh, rig, bones, size)
     title = f"{rig.title}, fitted to {path.name}"
     return fit, replace(fitted, name=path.stem, title=title, source=f"fitted to {path.name}")
+
+
+def _glb(skinned: SkinnedMesh, character: Path | None, mesh_name: str | None) -> bytes:
+    from lipwright.export.bone_skin import with_bones
+    from lipwright.export.gltf_surface import read_gltf_surface
+    from lipwright.export.skinned import skinned_glb
+
+    if character is None:
+        return skinned_glb(skinned)
+    return with_bones(read_gltf_surface(character, mesh_name), skinned)
 
 
 def _print(skinned: SkinnedMesh, left: Sequence[Residual]) -> None:

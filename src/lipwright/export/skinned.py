@@ -17,15 +17,14 @@ from lipwright.clip import Clip
 from lipwright.export.glb import add_looks, asset_of, primitive_at_rest
 from lipwright.export.gltf_curves import Animation, continuous
 from lipwright.export.gltf_store import UINT16, VERTICES, Json, Store
-from lipwright.face.mesh import Part
 from lipwright.face.skeleton import Floats, Skeleton
 from lipwright.face.skinning import MOST_BONES, SkinnedMesh
 from lipwright.retarget.skinned import bone_channels, whole_turns
 from lipwright.rig import Rig
 
 # An error in control units is a share of what a blendshape at 1 does to a bone, about as much as:
-KEY_M: Final = 0.01  # m
-KEY_RADIANS: Final = float(np.radians(10.0))
+KEY_M: Final = 0.02  # m
+KEY_RADIANS: Final = float(np.radians(20.0))
 
 MESH_NODE: Final = 0
 FIRST_BONE: Final = 2  # after the nodes of the mesh and of what holds the bones
@@ -49,7 +48,7 @@ def skinned_glb(
             nothing moves.
         name: of the animation.
         sound: the file of the sound, named in the asset's `extras`.
-        keys: as few keys as keep the bones within this share of 10 mm and of 10 degrees at every
+        keys: as few keys as keep the bones within this share of 20 mm and of 20 degrees at every
             frame; None for one key a frame.
     """
     store = Store()
@@ -57,45 +56,59 @@ def skinned_glb(
     fps = 0.0 if clip is None else clip.fps
     store.document |= {"asset": asset_of(mesh, fps, sound), "scene": 0}
     store.document["scenes"] = [{"nodes": [MESH_NODE, MESH_NODE + 1], "name": "scene"}]
-    store.document["nodes"] = _nodes(mesh.name, skeleton)
+    # A bone may be called like the mesh, and readers rename the second of two nodes.
+    shown = {"mesh": 0, "skin": 0, "name": f"{mesh.name}_mesh"}
+    bones = bone_nodes(f"{mesh.name}_bones", skeleton, FIRST_BONE)
+    store.document["nodes"] = [shown, *bones]
     add_looks(store, mesh)
-    primitives = [_primitive(store, skinned, part, index) for index, part in enumerate(mesh.parts)]
+    primitives = [primitive_at_rest(store, mesh, part, i) for i, part in enumerate(mesh.parts)]
+    for primitive, part in zip(primitives, mesh.parts, strict=True):
+        primitive["attributes"] |= skin_attributes(store, skinned.weights[part.vertices])
     store.document["meshes"] = [{"name": mesh.name, "primitives": primitives}]
-    store.document["skins"] = [_skin(store, skeleton)]
+    add_skin(store, skeleton, FIRST_BONE)
     if clip is not None and rig is not None:
         animation = Animation(store, name, clip.fps, keys)
         _animate(animation, skeleton, bone_channels(clip, rig), whole_turns(clip))
     return store.to_glb()
 
 
-def _nodes(name: str, skeleton: Skeleton) -> list[Json]:
-    """The mesh, what holds the bones, and the bones as a tree."""
+def bone_nodes(name: str, skeleton: Skeleton, first: int) -> list[Json]:
+    """What holds the bones, called `name`, and the bones as a tree: nodes from `first`."""
     bones: list[Json] = [
         {"name": bone, "translation": offset.tolist()}
         for bone, offset in zip(skeleton.names, skeleton.offsets, strict=True)
     ]
-    holder: Json = {"name": f"{name}_bones"}
+    holder: Json = {"name": name}
     for bone, parent in enumerate(skeleton.parents):
         above = holder if parent < 0 else bones[parent]
-        above.setdefault("children", []).append(FIRST_BONE + bone)
-    # A bone may be called like the mesh, and readers rename the second of two nodes.
-    return [{"mesh": 0, "skin": 0, "name": f"{name}_mesh"}, holder, *bones]
+        above.setdefault("children", []).append(first + bone)
+    return [holder, *bones]
 
 
-def _skin(store: Store, skeleton: Skeleton) -> Json:
-    """The joints, and what brings each one's place to the origin, column by column."""
-    inverse = np.tile(np.eye(4, dtype=np.float32), (len(skeleton), 1, 1))
-    inverse[:, 3, :3] = -skeleton.at
-    return {
-        "joints": [FIRST_BONE + bone for bone in range(len(skeleton))],
-        "skeleton": MESH_NODE + 1,
-        "inverseBindMatrices": store.accessor(inverse.reshape(len(skeleton), 16), "MAT4"),
+def add_skin(store: Store, skeleton: Skeleton, first: int, axes: Floats | None = None) -> int:
+    """Add the skin of bones that are nodes from `first`; its index.
+
+    Args:
+        store: where to.
+        skeleton: the bones.
+        first: node of the first one.
+        axes: (4, 4), from the axes of the mesh to those in which the bones are.
+    """
+    inverse = np.tile(np.eye(4), (len(skeleton), 1, 1))
+    inverse[:, :3, 3] = -skeleton.at
+    if axes is not None:
+        inverse = inverse @ axes
+    columns = np.swapaxes(inverse, 1, 2).reshape(len(skeleton), 16).astype(np.float32)
+    skin = {
+        "joints": [first + bone for bone in range(len(skeleton))],
+        "inverseBindMatrices": store.accessor(columns, "MAT4"),
     }
+    return store.add("skins", skin)
 
 
-def _primitive(store: Store, skinned: SkinnedMesh, part: Part, index: int) -> Json:
-    primitive = primitive_at_rest(store, skinned.mesh, part, index)
-    joints, weights = most_held(skinned.weights[part.vertices])
+def skin_attributes(store: Store, weights: Floats) -> Json:
+    """Add the skin weights (V, B) of a primitive; its attributes."""
+    joints, shares = most_held(weights)
     stored = np.ascontiguousarray(joints, np.uint16)
     held = {
         "bufferView": store.view(stored.tobytes(), VERTICES),
@@ -103,11 +116,10 @@ def _primitive(store: Store, skinned: SkinnedMesh, part: Part, index: int) -> Js
         "count": len(stored),
         "type": "VEC4",
     }
-    primitive["attributes"] |= {
+    return {
         "JOINTS_0": store.add("accessors", held),
-        "WEIGHTS_0": store.accessor(weights, "VEC4", VERTICES),
+        "WEIGHTS_0": store.accessor(shares, "VEC4", VERTICES),
     }
-    return primitive
 
 
 def most_held(weights: Floats) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.float32]]:
