@@ -12,7 +12,7 @@ from lipwright.face.surface import Surface
 
 Floats = NDArray[np.float64]
 
-CANDIDATES: Final = 12  # triangles whose middles are nearest; one of them is taken as closest
+CANDIDATES: Final = 10  # triangles whose middles are nearest; one of them is taken as closest
 ON_EDGE: Final = 1e-6  # of a barycentric weight
 
 
@@ -55,7 +55,8 @@ class Finder:
         found = self._triangles[near]
         places = self._surface.places[self._surface.corners[found]]
         on, weights = closest_on_triangles(points[:, None], places)
-        far = np.linalg.norm(on - points[:, None], axis=2)
+        away = on - points[:, None]
+        far = np.sqrt(_dot(away, away))
         if normals is not None:
             cosines = np.einsum("nkc,nc->nk", self._surface.normals[found], normals)
             far = np.where(cosines > least, far, np.inf)
@@ -76,20 +77,37 @@ def closest_on_triangles(points: Floats, triangles: Floats) -> tuple[Floats, Flo
     """
     a, b, c = (triangles[..., k, :] for k in range(3))
     ab, ac, ap = b - a, c - a, points - a
-    aa, bb, cc = ((ab * ab).sum(-1), (ab * ac).sum(-1), (ac * ac).sum(-1))
-    d, e = (ab * ap).sum(-1), (ac * ap).sum(-1)
-    determinant = np.maximum(aa * cc - bb * bb, np.finfo(float).tiny)
+    aa, bb, cc, d, e = _dot(ab, ab), _dot(ab, ac), _dot(ac, ac), _dot(ab, ap), _dot(ac, ap)
+    tiny = np.finfo(float).tiny
+    determinant = np.maximum(aa * cc - bb * bb, tiny)
     v, w = (cc * d - bb * e) / determinant, (aa * e - bb * d) / determinant
-    inside = np.stack([1 - v - w, v, w], axis=-1)
-    best, least = inside, np.where((inside >= 0).all(-1), 0.0, np.inf)
-    for first, second in ((0, 1), (1, 2), (2, 0)):
-        start, way = triangles[..., first, :], triangles[..., second, :] - triangles[..., first, :]
-        length = np.maximum((way * way).sum(-1), np.finfo(float).tiny)
-        share = np.clip(((points - start) * way).sum(-1) / length, 0, 1)
-        far = ((start + share[..., None] * way - points) ** 2).sum(-1)
-        weights = np.zeros_like(inside)
-        weights[..., first], weights[..., second] = 1 - share, share
-        nearer = far < least
-        best = np.where(nearer[..., None], weights, best)
+    inside = (v >= 0) & (w >= 0) & (v + w <= 1)
+    # On the edges nearest is what is nearest to the foot of the perpendicular.
+    least = np.where(inside, 0.0, np.inf)
+    best = np.stack([1 - v - w, v, w], axis=-1)
+    onto_bc = (e - d + aa - bb) / np.maximum(aa - 2 * bb + cc, tiny)  # from b to c
+    for share, corner in (
+        (np.clip(d / np.maximum(aa, tiny), 0, 1), 0),
+        (np.clip(onto_bc, 0, 1), 1),
+        (np.clip(e / np.maximum(cc, tiny), 0, 1), 2),
+    ):
+        y = share if corner == 0 else 1 - share if corner == 1 else 0.0
+        z = 0.0 if corner == 0 else share
+        far = _plane_distance(aa, bb, cc, y - v, z - w)
+        nearer = ~inside & (far < least)
         least = np.where(nearer, far, least)
-    return np.asarray((best[..., None] * triangles).sum(-2)), np.asarray(best)
+        best[..., 1] = np.where(nearer, y, best[..., 1])
+        best[..., 2] = np.where(nearer, z, best[..., 2])
+    best[..., 0] = 1 - best[..., 1] - best[..., 2]
+    best = np.maximum(best, 0.0)
+    found = a + best[..., 1:2] * ab + best[..., 2:] * ac
+    return np.asarray(found), np.asarray(best)
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("...c,...c->...", a, b))
+
+
+def _plane_distance(aa: Floats, bb: Floats, cc: Floats, v: Floats, w: Floats) -> Floats:
+    """The squared length of v ab + w ac, from the products of ab and ac."""
+    return np.asarray(aa * v * v + 2 * bb * v * w + cc * w * w)
