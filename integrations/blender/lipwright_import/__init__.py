@@ -72,6 +72,8 @@ class ImportClip(bpy.types.Operator, ImportHelper):
             return {"CANCELLED"}
         if done.missing:
             self.report({"WARNING"}, f"{path.name}: no shape key or bone: {listed(done.missing)}")
+        if done.silent:
+            self.report({"WARNING"}, f"{path.name}: without its sound: {done.silent}")
         self.report({"INFO"}, f"{path.name}: {len(done.moved)} of {len(clip.curves)} curves")
         return {"FINISHED"}
 

@@ -36,6 +36,8 @@ class Done:
 
     moved: set[str] = field(default_factory=set)
     missing: list[str] = field(default_factory=list)
+    silent: str = ""
+    """why the sound is not there, where it should be"""
 
 
 class Writer:
@@ -118,7 +120,10 @@ def animate(context, clip: ClipFile, path: Path, placing: Placing) -> Done:
         if placing.set_range:
             scene.frame_end = max(scene.frame_end, int(np.ceil(last)))
         if placing.add_sound:
-            _add_sound(scene, path, placing.start)
+            try:
+                _add_sound(scene, path, placing.start)
+            except RuntimeError as error:  # no such sound, or a Blender built without sound
+                done.silent = str(error).strip().removeprefix("Error: ")
     return done
 
 
