@@ -80,15 +80,21 @@ def draw_line(canvas: Floats, points: npt.ArrayLike, colour: Iterable[int], widt
     canvas += shares[..., None] * (np.array([*colour], np.float64) - canvas)
 
 
-def draw_words(picture: Picture, words: str, height: float) -> Picture:
-    """The picture with words in its lower left corner, `height` px a capital."""
+def draw_words(
+    picture: Picture, words: str, height: float, colour: Iterable[int] = LINE
+) -> Picture:
+    """The picture with words in its lower left corner, `height` px a capital.
+
+    There are digits, plus, minus and the letters of the poses' names.
+    """
+    colour = tuple(colour)
     canvas = picture.astype(np.float64)
     unit = height / 6
     x, y = 2.0 * unit, canvas.shape[0] - 9 * unit
     for letter in words:
         for stroke in _GLYPHS.get(letter, ()):
             numbers = np.array([int(digit) for digit in stroke], np.float64).reshape(-1, 2)
-            draw_line(canvas, numbers * unit + (x, y), LINE, 0.8 * unit)
+            draw_line(canvas, numbers * unit + (x, y), colour, 0.8 * unit)
         x += 5.5 * unit
     return np.asarray(np.rint(canvas), np.uint8)
 

@@ -16,7 +16,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -25,8 +25,10 @@ from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.face.appearance import check_modes
-from lipwright.face.reference import ReferenceFace
 from lipwright.face.vertices import LIP_PAIRS, N
+
+if TYPE_CHECKING:
+    from lipwright.face.reference import ReferenceFace
 
 Floats = npt.NDArray[np.float64]
 

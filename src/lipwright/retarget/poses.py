@@ -27,6 +27,7 @@ NEARLY_SHUT: Final = 0.05
 """eye distances between the lips from which the poses alone say how open the mouth is; the mean
 face has 0.062. Below it the rig nears its shut pose: between the mean and the pose of mode 1 that
 shuts the mouth, the reference lips meet after a third of the way, and a rig after all of it"""
+TOUCHING: Final = 0.01  # eye distances, up to which reference faces are drawn with shut lips
 
 
 def pose_weights(p: npt.ArrayLike, poses: Sequence[RigPose]) -> Floats:
@@ -64,8 +65,10 @@ def apply_poses(clip: Clip, rig: Rig, mapping: PoseMapping) -> Clip:
     values = pose_weights(shape.parameters(clip), mapping.poses) @ (np.array(poses) - mean) + mean
     shut = np.array([name in mapping.shut for name in rig.names])
     if shut.any():
-        share = np.clip(1.0 - shape.gap(clip) / NEARLY_SHUT, 0.0, 1.0)[:, None]
-        values += share * np.where(shut, _controls(rig, mapping.shut, mean) - values, 0.0)
+        share = (NEARLY_SHUT - shape.gap(clip)) / (NEARLY_SHUT - TOUCHING)
+        values += np.clip(share, 0.0, 1.0)[:, None] * np.where(
+            shut, _controls(rig, mapping.shut, mean) - values, 0.0
+        )
     moved = Clip(rig.names, clip.fps, values.astype(np.float32))
     if mapping.rows:
         besides = apply_linear(clip, rig, LinearMapping(mapping.rows))
