@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
+from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh, Part
 
 Json = dict[str, Any]
@@ -44,6 +46,13 @@ def small_mesh(names: Sequence[str] = ("jawOpen", "mouthClose", "tongueOut")) ->
         shape_vertices=np.concatenate(moved),
         shape_deltas=rng.normal(size=(sum(map(len, moved)), 3)).astype(np.float32) / 100,
     )  # fmt: skip
+
+
+def small_head(names: Sequence[str]) -> Head:
+    """The square as a head that turns, in part."""
+    mesh = small_mesh(names)
+    values = {field.name: getattr(mesh, field.name) for field in fields(mesh)}
+    return Head(**values, lip_pairs=np.zeros((3, 2), np.int32))
 
 
 def to_glb(document: Json, data: bytes, rest: bytes = b"") -> bytes:

@@ -17,7 +17,7 @@ from lipwright.export import ExportOptions, Performance, export_all
 from lipwright.export.usd import identifiers
 from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
-from lipwright.face.turning import head_rotations
+from lipwright.face.neck import turn_shares, turned
 from made_gltf import small_mesh
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -75,11 +75,10 @@ def test_points_are_those_of_the_mesh_in_every_pose(tmp_path: Path, head: Head) 
              for part in head.parts}  # fmt: skip
     for frame in FRAMES:
         row = clip.values[frame]
-        turn = head_rotations(row[-3:])
-        expected = head.pose(row[: len(CANONICAL)]) @ turn.T
+        expected = turned(head.pose(row[: len(CANONICAL)]), turn_shares(head), row[-3:])
         for part in head.parts:
             points = np.array(prims[part.name].GetPointsAttr().Get(frame))
-            # What hangs on one joint is turned as a whole.
+            # What follows its joints as a whole is turned as a whole.
             place = prims[part.name].ComputeLocalToWorldTransform(frame)
             points = points @ np.array(place)[:3, :3]
             assert points == pytest.approx(expected[part.vertices], abs=1e-6)

@@ -69,8 +69,23 @@ window.reader = {
     return { weights, turns, places };
   },
 
+  // The vertices of each mesh in the scene at a time, as three.js moves them.
+  shown(time) {
+    this.sample([time]);
+    gltf.scene.updateMatrixWorld(true);
+    return meshes().map((mesh) => {
+      const place = new THREE.Vector3();
+      const found = [];
+      for (let i = 0; i < mesh.geometry.attributes.position.count; i++)
+        found.push(...mesh.getVertexPosition(i, place).applyMatrix4(mesh.matrixWorld).toArray());
+      return found;
+    });
+  },
+
   // The vertices of each mesh under weights, as three.js moves them.
   pose(weights) {
+    mixer.stopAllAction();
+    gltf.scene.updateMatrixWorld(true);
     return meshes().map((mesh) => {
       weights.forEach((weight, place) => (mesh.morphTargetInfluences[place] = weight));
       const place = new THREE.Vector3();

@@ -3,9 +3,10 @@
 The sound is `NAME.wav`. With `options.onto`, another's GLB or VRM is animated instead: see `onto`.
 
 Morph targets are sparse accessors: most blendshapes move a small part of the mesh. The names
-stand in the mesh's `extras.targetNames`, where Blender, three.js and Unreal look for them. Turns of
-the head turn the node. Weights are float32, with one key a frame, or with few keys as cubic
-splines; see `gltf_curves`.
+stand in the mesh's `extras.targetNames`, where Blender, three.js and Unreal look for them. Weights
+are float32, with one key a frame, or few; see `gltf_curves`. Where the clip turns the head, our
+head is skinned to two joints: `Head` turns, `Neck` stays with the shirt. Other characters have no
+joint and do not turn.
 
 What is read is the last animation that Lipwright wrote, or else the first that moves morph targets
 or bones; see `gltf_clip`.
@@ -13,7 +14,7 @@ or bones; see `gltf_clip`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -31,12 +32,17 @@ from lipwright.export.performance import (
     shown_character,
 )
 from lipwright.export.sidecar import sound_outputs
+from lipwright.face.head import Head
+from lipwright.face.neck import turn_shares
 from lipwright.face.png import encode_png
 from lipwright.face.turning import head_quaternions, head_turns
 
 if TYPE_CHECKING:
     from lipwright.face.mesh import Mesh, Part
+    from lipwright.rig import Rig
 
+NECK_JOINT: Final = 1  # nodes, after that of the mesh
+HEAD_JOINT: Final = 2
 TURNS: Final = 1e-3  # smaller changes of a unit normal are not seen and not stored
 
 
@@ -62,13 +68,32 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
 
         make = animated(path, performance, options, wav)
         return [Output(path, lambda part: _write(part, make())), *sound_outputs(path, performance)]
+    sound, rig = sound_outputs(path, performance), performance.rig
+    if rig is not None and rig.bones and options.character is None:
+        return [Output(path, _on_bones(path, clip, rig, wav, options.keys)), *sound]
     mesh = shown_character(path, clip, options)
-    sound = sound_outputs(path, performance)
 
     def write(part: Path) -> None:
         _write(part, mesh_to_glb(mesh, clip, name=path.stem, sound=wav, keys=options.keys))
 
     return [Output(path, write), *sound]
+
+
+def _on_bones(
+    path: Path, clip: Clip, rig: Rig, sound: str | None, keys: float | None
+) -> Callable[[Path], None]:
+    """Writes our head on the bones of a rig."""
+    from lipwright.export.skinned import skinned_glb
+    from lipwright.face.head import load_head
+    from lipwright.retarget.skinned import skin_mesh
+
+    skinned = skin_mesh(load_head(), rig)
+
+    def write(part: Path) -> None:
+        content = skinned_glb(skinned, rig, clip, name=path.stem, sound=sound, keys=keys)
+        _write(part, content)
+
+    return write
 
 
 def _write(part: Path, content: bytes) -> None:
@@ -97,6 +122,9 @@ def mesh_to_glb(
     document |= {"asset": asset_of(mesh, clip.fps, sound), "scene": 0}
     document["scenes"] = [{"nodes": [0], "name": "scene"}]
     document["nodes"] = [{"mesh": 0, "name": mesh.name}]
+    turns = head_turns(clip)
+    if turns is not None and isinstance(mesh, Head):
+        _add_joints(store)
     add_looks(store, mesh)
     turned = _turned_normals(mesh)
     document["meshes"] = [
@@ -112,10 +140,40 @@ def mesh_to_glb(
     ]
     animation = Animation(store, name, clip.fps, keys)
     animation.animate(0, "weights", clip.select(mesh.shape_names).values)
-    turns = head_turns(clip)
-    if turns is not None:
-        animation.turn_head(0, head_quaternions(turns))
+    if turns is not None and isinstance(mesh, Head):
+        _bind(store, mesh)
+        animation.turn_head(HEAD_JOINT, head_quaternions(turns))
     return store.to_glb()
+
+
+def _add_joints(store: Store) -> None:
+    """The nodes of the joints, both where head and neck meet, and the skin."""
+    nodes = store.document["nodes"]
+    nodes[0]["skin"] = 0
+    nodes += [{"name": "Neck", "children": [HEAD_JOINT]}, {"name": "Head"}]
+    store.document["scenes"][0]["nodes"] = [0, NECK_JOINT]
+    still = np.tile(np.eye(4, dtype=np.float32).ravel(), (2, 1))
+    store.document["skins"] = [
+        {
+            "joints": [NECK_JOINT, HEAD_JOINT],
+            "skeleton": NECK_JOINT,
+            "inverseBindMatrices": store.accessor(still, "MAT4"),
+        }
+    ]
+
+
+def _bind(store: Store, head: Head) -> None:
+    """How far each vertex follows which joint."""
+    shares = turn_shares(head)
+    weights = np.stack([1 - shares, shares, 0 * shares, 0 * shares], axis=1)
+    primitives = store.document["meshes"][0]["primitives"]
+    for primitive, part in zip(primitives, head.parts, strict=True):
+        own = weights[part.vertices]
+        joints = np.tile(np.array([0, 1, 0, 0], np.uint8), (len(own), 1)) * (own > 0)
+        primitive["attributes"] |= {
+            "JOINTS_0": store.accessor(joints.astype(np.uint8), "VEC4", VERTICES),
+            "WEIGHTS_0": store.accessor(own, "VEC4", VERTICES),
+        }
 
 
 def asset_of(mesh: Mesh, fps: float, sound: str | None = None) -> Json:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 # glTF 2.0, section 5: component types and buffer view targets.
 FLOAT: Final = 5126
+UINT8: Final = 5121
 UINT16: Final = 5123
 UINT32: Final = 5125
 VERTICES: Final = 34962
@@ -25,6 +26,8 @@ INDICES: Final = 34963
 MAGIC: Final = 0x46546C67  # "glTF"
 JSON_CHUNK: Final = 0x4E4F534A
 BINARY_CHUNK: Final = 0x004E4942
+
+_COMPONENTS: Final = {"<f4": FLOAT, "|u1": UINT8, "<u4": UINT32}
 
 Json = dict[str, Any]
 
@@ -57,7 +60,7 @@ class Store:
         """An accessor of all `values`; `bounds` where glTF asks for minimum and maximum."""
         accessor: Json = {
             "bufferView": self.view(np.ascontiguousarray(values).tobytes(), target),
-            "componentType": {"f": FLOAT, "u": UINT32}[values.dtype.kind],
+            "componentType": _COMPONENTS[values.dtype.str],
             "count": len(values),
             "type": kind,
         }

@@ -26,8 +26,9 @@ from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.export.gltf_buffers import data_type, read_buffer
+from lipwright.export.gltf_chunks import MAX_BYTES
 from lipwright.export.gltf_curves import Animation, continuous, multiply
-from lipwright.export.gltf_file import MAX_BYTES, GltfFile, read_gltf
+from lipwright.export.gltf_file import GltfFile, read_gltf
 from lipwright.export.gltf_names import Character
 from lipwright.export.gltf_rest import Rests
 from lipwright.export.gltf_store import Store

@@ -2,11 +2,11 @@
 
 OpenUSD's schemas UsdGeom, UsdSkel and UsdMedia. `.usda` is text, `.usdc` and `.usd` are crate
 files. In metres, y up, one time code a frame. A SkelRoot holds a mesh for each part, whose
-`skel:blendShapes` name the blendshapes that move it, a skeleton of one joint that turns the head,
-and a SkelAnimation with `blendShapes` and time samples of `blendShapeWeights` as they are, float32;
-USD is linear between them. Curves of which the character has no blendshape stand there too; with a
-rig that no mesh is there for, they are all there is. The recording is a SpatialAudio that names the
-file, where it is one that USD plays.
+`skel:blendShapes` name the blendshapes that move it, a skeleton whose joint `Neck/Head` turns our
+head, and a SkelAnimation with `blendShapes` and time samples of `blendShapeWeights` as they are,
+float32; USD is linear between them. Curves of which the character has no blendshape stand there
+too; with a rig that no mesh is there for, they are all there is. The recording is a SpatialAudio
+that names the file, where it is one that USD plays.
 """
 
 from __future__ import annotations
@@ -18,11 +18,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError, MissingExtraError
 from lipwright.export.performance import ExportOptions, Output, Performance
+from lipwright.face.head import Head, load_head
+from lipwright.face.neck import turn_shares
 from lipwright.face.turning import head_quaternions, head_turns
 
 if TYPE_CHECKING:
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
 
 SOUNDS: Final = (".m4a", ".mp3", ".wav")  # UsdMedia's SpatialAudio
 TURNS: Final = 1e-3  # smaller changes of a unit normal are not seen and not stored
+JOINTS: Final = ("Neck", "Neck/Head")
 _KEY: Final = "Animation"
 
 
@@ -73,8 +77,6 @@ def _shown(path: Path, performance: Performance, options: ExportOptions) -> Mesh
         return options.character
     if not names & set(CANONICAL):
         return None
-    from lipwright.face.head import load_head
-
     try:
         return load_head()
     except LipwrightError:  # not installed; the weights go onto the user's own mesh
@@ -128,20 +130,25 @@ def _write(part: Path, name: str, clip: Clip, mesh: Mesh | None, sound: str | No
         turned = [mesh.normals(mesh.pose(row)) - mesh.rest_normals
                   for row in np.eye(len(mesh.shape_names), dtype=np.float32)]  # fmt: skip
         root.GetPrim().SetCustomDataByKey("source", f"{mesh.name}: {mesh.source}, {mesh.license}")
+        shares = (
+            turn_shares(mesh)
+            if isinstance(mesh, Head)
+            else np.zeros(len(mesh.vertices), np.float32)
+        )
         for piece in mesh.parts:
-            _part(stage, mesh, piece, shown, turned, skeleton)
+            _part(stage, mesh, piece, shown, turned, shares, skeleton)
     if sound is not None:
         _play(stage, sound, clip)
     layer.Save()
 
 
 def _skeleton(stage: Any, clip: Clip) -> Any:
-    """A skeleton of one joint at the origin, the joint of head and neck."""
+    """Two joints at the origin, where head and neck meet."""
     from pxr import Gf, UsdSkel, Vt
 
     skeleton = UsdSkel.Skeleton.Define(stage, "/Character/Skeleton")
-    skeleton.CreateJointsAttr(["head"])
-    still = Vt.Matrix4dArray([Gf.Matrix4d(1.0)])
+    skeleton.CreateJointsAttr(JOINTS)
+    still = Vt.Matrix4dArray([Gf.Matrix4d(1.0)] * len(JOINTS))
     skeleton.CreateBindTransformsAttr(still)
     skeleton.CreateRestTransformsAttr(still)
     binding = UsdSkel.BindingAPI.Apply(skeleton.GetPrim())
@@ -159,18 +166,20 @@ def _animate(stage: Any, clip: Clip, names: dict[str, str]) -> None:
     for frame, row in enumerate(values):
         weights.Set(Vt.FloatArray.FromNumpy(row), frame)
     turns = head_turns(clip)
-    animation.CreateJointsAttr(["head"])
-    animation.CreateTranslationsAttr([Gf.Vec3f(0.0)])
-    animation.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1.0)]))
-    rotations = animation.CreateRotationsAttr(Vt.QuatfArray([Gf.Quatf(1.0)]))
+    animation.CreateJointsAttr(JOINTS)
+    animation.CreateTranslationsAttr([Gf.Vec3f(0.0)] * len(JOINTS))
+    animation.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1.0)] * len(JOINTS)))
+    still = Gf.Quatf(1.0)
+    rotations = animation.CreateRotationsAttr(Vt.QuatfArray([still] * len(JOINTS)))
     if turns is not None:
         for frame, (x, y, z, w) in enumerate(head_quaternions(turns).tolist()):
-            rotations.Set(Vt.QuatfArray([Gf.Quatf(w, x, y, z)]), frame)
+            rotations.Set(Vt.QuatfArray([still, Gf.Quatf(w, x, y, z)]), frame)
 
 
 def _part(
-    stage: Any, mesh: Mesh, part: Part, shown: dict[str, str], turned: list[Any], skeleton: Any
-) -> None:
+    stage: Any, mesh: Mesh, part: Part, shown: dict[str, str], turned: list[Any],
+    shares: npt.NDArray[np.float32], skeleton: Any,
+) -> None:  # fmt: skip
     """One part of the mesh, with the blendshapes that move it."""
     from pxr import UsdGeom, UsdSkel, Vt
 
@@ -192,9 +201,20 @@ def _part(
     color.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(tints, np.float32)))
     binding = UsdSkel.BindingAPI.Apply(prim.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
-    binding.CreateJointIndicesPrimvar(True, 1).Set(Vt.IntArray([0]))
-    binding.CreateJointWeightsPrimvar(True, 1).Set(Vt.FloatArray([1.0]))
+    _bind(binding, shares[run])
     _blendshapes(stage, mesh, run, path, shown, turned, binding)
+
+
+def _bind(binding: Any, shares: npt.NDArray[np.float32]) -> None:
+    """How far each vertex follows the two joints; a part that follows as a whole says so once."""
+    from pxr import Vt
+
+    whole = bool(np.ptp(shares) == 0)
+    used = shares[:1] if whole else shares
+    joints = np.tile(np.array([0, 1], np.int32), len(used))
+    weights = np.ascontiguousarray(np.stack([1 - used, used], axis=1).ravel(), np.float32)
+    binding.CreateJointIndicesPrimvar(whole, len(JOINTS)).Set(Vt.IntArray.FromNumpy(joints))
+    binding.CreateJointWeightsPrimvar(whole, len(JOINTS)).Set(Vt.FloatArray.FromNumpy(weights))
 
 
 def _blendshapes(
