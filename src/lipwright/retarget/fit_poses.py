@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.controls import CANONICAL
+from lipwright.controls import CANONICAL, both_sides
 from lipwright.engines import engine_learnt, get_engine
 from lipwright.passes import apply_passes, learnt_passes
 from lipwright.phones import PHONES, SILENCE
@@ -32,6 +34,13 @@ def every_pair() -> PhoneTrack:
     return PhoneTrack(tuple(spoken), edges)
 
 
+CLOSURE: Final = MappingProxyType(
+    {"jawOpen": 0.1, "mouthClose": 0.1, "mouthPress": 0.25, "mouthRollUpper": 0.1}
+)
+"""what p, b and m do after open vowels; see `lipwright.passes.SHUT`"""
+BESIDE: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch", "mouthPucker",
+                 "cheekPuff")  # fmt: skip
+"""what a face does that smiles, or rounds its lips early, while they are shut"""
 TEACHERS: Final = ("window", "dominance")
 """engines: one moves as a recorded face does, one as articulation has it"""
 
@@ -48,3 +57,34 @@ def speech_poses() -> npt.NDArray[np.float64]:
     poses = np.concatenate(spoken)
     poses.setflags(write=False)
     return poses
+
+
+def shut_poses() -> npt.NDArray[np.float64]:
+    """(N, C), closures, and rest, each with one other control at half and in full."""
+    beside = Sources(BESIDE).alone()
+    closure = sum(weight * Sources((name,)).alone() for name, weight in CLOSURE.items())
+    return np.concatenate([share * beside + shut for share in (0.5, 1.0) for shut in (closure, 0)])
+
+
+@dataclass(frozen=True)
+class Sources:
+    """P names, each a canonical control or both sides of one, and how poses give them."""
+
+    names: tuple[str, ...]
+
+    def of(self, poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """(N, P) of canonical poses (N, C)."""
+        return np.stack(
+            [
+                poses[:, [CANONICAL.index(side) for side in both_sides(name)]].mean(axis=1)
+                for name in self.names
+            ],
+            axis=1,
+        )
+
+    def alone(self) -> npt.NDArray[np.float64]:
+        """(P, C), each source in full, on both sides where it means both."""
+        poses = np.zeros((len(self.names), len(CANONICAL)))
+        for row, name in enumerate(self.names):
+            poses[row, [CANONICAL.index(side) for side in both_sides(name)]] = 1.0
+        return poses

@@ -123,13 +123,21 @@ def solve(problem: Problem, gains: Floats, used: Bools) -> Floats:
     return gains
 
 
-def solve_few(problem: Problem, used: Bools, least: float) -> Floats:
-    """(K, P), gains of which each matters: at least `least`, and more error without it."""
+def solve_few(problem: Problem, used: Bools, least: float, kept: Bools | None = None) -> Floats:
+    """(K, P), gains of which each matters: at least `least`, and more error without it.
+
+    Args:
+        problem: what is fitted.
+        used: (K, P), where there may be a gain.
+        least: the smallest gain.
+        kept: (K, P), where a gain of that size stays though little error goes with it.
+    """
     gains = solve(problem, np.zeros(used.shape), used)
     while used.any():
         curved = np.diag(problem.normal(gains)[0]).reshape(used.shape)
         matters = gains**2 * curved / max(problem.error(gains), 1e-30)
-        weak = used & ((np.abs(gains) < least) | (matters < DROPPED))
+        light = matters < DROPPED if kept is None else (matters < DROPPED) & ~kept
+        weak = used & ((np.abs(gains) < least) | light)
         if not weak.any():
             break
         # Half of them at a time, the weakest first: what is left takes over their part.

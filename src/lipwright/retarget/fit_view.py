@@ -13,7 +13,7 @@ from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
 from lipwright.retarget.fit_solve import Floats
 
-LIPS: Final = 4.0  # weight of a mm of the lips' gap against a mm of the mean vertex
+LIPS: Final = 6.0  # weight of a mm of the lips' gap against a mm of the mean vertex
 SHAPE: Final = 2.0  # weight of a mm of the lips' width and of their protrusion, the same way
 TONGUE: Final = 1.0  # weight of the mean square of the tongue against that of all else
 MILLIMETRES: Final = 1000.0  # in a m

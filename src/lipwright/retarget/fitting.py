@@ -15,7 +15,7 @@ from lipwright.controls import CANONICAL, GROUPS, MIRROR, both_sides
 from lipwright.errors import LipwrightError
 from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
-from lipwright.retarget.fit_poses import speech_poses
+from lipwright.retarget.fit_poses import Sources, shut_poses, speech_poses
 from lipwright.retarget.fit_solve import Floats, Problem, best_product, solve, solve_few
 from lipwright.retarget.fit_view import View, displacements, size_of
 from lipwright.rig import Corrective, LinearMapping, Rig, Row
@@ -23,10 +23,12 @@ from lipwright.rig import Corrective, LinearMapping, Rig, Row
 SPEECH: Final = (*GROUPS["jaw"], *GROUPS["lips"], "cheekPuff", *GROUPS["tongue"])
 """the canonical controls that a mouth follows"""
 ALONE: Final = 0.5  # weight of the poses of single controls against those of speech, which is 1
+SHUT: Final = 0.5  # weight of closures beside which a face does something else, the same way
 LOOKS: Final = 0.3  # weight of the looks of the rig as poses, the same way
 SURE: Final = 300.0  # mm^2 for a control 1 off in its own look
 HELPS: Final = 0.01  # share of the error; a corrective that helps less is not worth its line
-ALIKE: Final = 0.1  # cosine between what a control and what a source show
+ALIKE: Final = 0.1  # cosine; a control and a source that show less in common are not tried
+SAME: Final = 0.8  # cosine; those that show as much stay together, however little speech needs it
 OPENING: Final = 0.1  # of the control that opens the lips most; what opens less makes no way
 SEEN: Final = 0.05  # of the range; what speech moves less has no correctives
 
@@ -137,41 +139,17 @@ def _controls(rig: Rig, seen: Sequence[str], options: FitOptions) -> tuple[str, 
     return tuple(seen)
 
 
-@dataclass(frozen=True)
-class _Sources:
-    """P names, each a canonical control or both sides of one, and how poses give them."""
-
-    names: tuple[str, ...]
-
-    def of(self, poses: Floats) -> Floats:
-        """(N, P) of canonical poses (N, C)."""
-        return np.stack(
-            [
-                poses[:, [CANONICAL.index(side) for side in both_sides(name)]].mean(axis=1)
-                for name in self.names
-            ],
-            axis=1,
-        )
-
-    def alone(self) -> Floats:
-        """(P, C), each source in full, on both sides where it means both."""
-        poses = np.zeros((len(self.names), len(CANONICAL)))
-        for row, name in enumerate(self.names):
-            poses[row, [CANONICAL.index(side) for side in both_sides(name)]] = 1.0
-        return poses
-
-
-def _sources(rig: Rig, names: Sequence[str], allowed: Collection[str]) -> _Sources:
+def _sources(rig: Rig, names: Sequence[str], allowed: Collection[str]) -> Sources:
     """By their side only for a rig that has sides."""
     chosen = [name for name in CANONICAL if name in set(allowed)]
     if any(name in rig.mirror for name in names):
-        return _Sources(tuple(chosen))
+        return Sources(tuple(chosen))
     both = dict.fromkeys(
         name if MIRROR[name] == name else name.removesuffix("Left").removesuffix("Right")
         for name in chosen
     )
     # A jaw or a mouth that moves to both sides at once stays where it is.
-    return _Sources(tuple(name for name in both if name not in ("jaw", "mouth")))
+    return Sources(tuple(name for name in both if name not in ("jaw", "mouth")))
 
 
 def _fit(
@@ -182,8 +160,8 @@ def _fit(
     poses = speech_poses() if options.poses is None else np.asarray(options.poses, np.float64)
     alone = sources.alone()
     own = np.zeros((0, len(CANONICAL))) if looks is None else looks
-    every = np.concatenate([poses, alone, own])
-    shares = ((poses, 1.0), (alone, ALONE), (own, LOOKS))
+    shares = ((poses, 1.0), (alone, ALONE), (shut_poses(), SHUT), (own, LOOKS))
+    every = np.concatenate([part for part, _ in shares])
     weights = np.concatenate([np.full(len(p), share / max(len(p), 1)) for p, share in shares])
     known = np.zeros((len(every), len(names)))
     known[len(every) - len(own) :] = np.eye(len(names))[: len(own)]
@@ -204,19 +182,25 @@ def _fit(
         ridge=options.ridge,
         thrift=options.thrift,
     )
-    gains = solve_few(problem, _worth_trying(problem, alone @ wanted), options.least)
+    alike = _alike(problem, alone @ wanted)
+    used = (np.abs(alike) > ALIKE) | _openers(problem)[:, None]
+    gains = solve_few(problem, used, options.least, alike > SAME)
     problem, gains, products = _with_products(problem, gains, len(poses), options)
     gains = np.round(gains, options.decimals)
     mapping = _mapping(rig, names, sources.names, products, gains)
     return _result(problem, gains, mapping, sources, len(poses))
 
 
-def _worth_trying(problem: Problem, alone: Floats) -> npt.NDArray[np.bool_]:
-    """(K, P), where a control shows some of a source (P, F), or could make way for others."""
+def _alike(problem: Problem, alone: Floats) -> Floats:
+    """(K, P), cosines between what controls and what sources (P, F) show."""
     lengths = np.linalg.norm(problem.shown, axis=0)[:, None] * np.linalg.norm(alone, axis=1)
-    alike = np.abs(problem.shown.T @ alone.T) > ALIKE * np.maximum(lengths, 1e-12)
-    opening = problem.gaps.mean(axis=0) if len(problem.gaps) else np.zeros(len(alike))
-    return np.asarray(alike | (opening > OPENING * opening.max(initial=0))[:, None])
+    return np.asarray(problem.shown.T @ alone.T / np.maximum(lengths, 1e-12))
+
+
+def _openers(problem: Problem) -> npt.NDArray[np.bool_]:
+    """(K,), controls that open the lips, and so can make way for what opens them too."""
+    opening = problem.gaps.mean(axis=0) if len(problem.gaps) else np.zeros(len(problem.low))
+    return np.asarray(opening > OPENING * opening.max(initial=0))
 
 
 def _shortened(wanted: Floats, seen: Floats) -> tuple[Floats, Floats]:
@@ -282,7 +266,7 @@ def _joined(gains: Mapping[str, float]) -> dict[str, float]:
 
 
 def _result(
-    problem: Problem, gains: Floats, mapping: LinearMapping, sources: _Sources, speech: int
+    problem: Problem, gains: Floats, mapping: LinearMapping, sources: Sources, speech: int
 ) -> Fitted:
     off = problem.moved(gains) @ problem.shown.T - problem.wanted
     alone = slice(speech, speech + len(sources.names))
