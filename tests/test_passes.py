@@ -435,7 +435,9 @@ class TestConsonants:
         clip = consonants()(wide_open(phones, fps), phones)
         gap = openness(clip)
         for _, _, middle in required(phones, BILABIALS):
-            assert gap[np.abs(clip.times - middle).argmin()] < 1e-3
+            # The middle is looked for on a grid of 0.25 ms: of two frames as near, either may be.
+            away = np.abs(clip.times - middle)
+            assert gap[away <= away.min() + 0.0005].min() < 1e-3
 
     @pytest.mark.parametrize("fps", [30.0, 60.0])
     @pytest.mark.parametrize("symbol", BILABIALS)

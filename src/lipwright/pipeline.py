@@ -32,13 +32,10 @@ from lipwright.passes import (
     Pass,
     apply_passes,
     bigram_passes,
-    closures_kept,
     default_passes,
     expression,
-    intensities,
-    intensity,
+    finishing_passes,
     learnt_passes,
-    limit,
 )
 from lipwright.retarget import retarget
 from lipwright.rig import Rig, canonical_rig, load_rig
@@ -304,10 +301,9 @@ def animate_track(
         return rig.fit(clip)
     if rig is not None:
         clip = rig.to_canonical(clip)
-        if options.passes is None:
-            scaled = closures_kept(intensities(options.intensities))
-            clip = apply_passes(clip, track, [intensity(options.intensity), scaled])
-        clip = apply_passes(clip, track, [limit()])
+        own = options.passes is None
+        amounts = (options.intensity, options.intensities) if own else ()
+        clip = apply_passes(clip, track, finishing_passes(*amounts))
     return _with_layers(canonical_rig().fit(clip), track, options, audio)
 
 
