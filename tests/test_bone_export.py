@@ -13,6 +13,7 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
+from lipwright.cli import run as cli
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
@@ -31,7 +32,8 @@ from lipwright.face.skinning import SkinnedMesh
 from lipwright.retarget import retarget
 from lipwright.retarget.bone_rig import moving_shapes, placed_bones
 from lipwright.retarget.skinned import bone_channels, posed_at, skin_mesh, whole_turns
-from lipwright.rig import Bone, Control, Rig, load_rig
+from lipwright.rig import Bone, Control, Rig, load_rig, save_rig
+from made_gltf import small_mesh
 from reading_gltf import Reader, reader
 
 __all__ = ["reader"]
@@ -168,6 +170,55 @@ class TestOthersFiles:
         (tmp_path / "x.glb").write_bytes(skinned_glb(skinned))
         with pytest.raises(LipwrightError, match="has a skin already"):
             with_bones(read_gltf_surface(tmp_path / "x.glb"), skinned)
+
+
+class TestCommand:
+    def test_our_head_on_bones_with_what_is_left_of_each_blendshape(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str], head: Head
+    ) -> None:
+        del head
+        assert cli(["rigs", "bones", "-o", str(tmp_path / "x.glb")]) == 0
+        said = capsys.readouterr()
+        assert said.err == "head: 7093 vertices on 12 bones\n"
+        rows = [line.split() for line in said.out.splitlines()[1:]]
+        heard = RIG.mapping.sources
+        assert {row[0] for row in rows} == heard
+        assert all(float(row[1]) < float(row[2]) < 10 for row in rows)
+        assert pygltflib.GLTF2().load(str(tmp_path / "x.glb")).skins
+
+    def test_a_character_with_bones_of_its_own_gets_a_rig_that_moves_it(
+        self, tmp_path: Path
+    ) -> None:
+        path, out, rig = (tmp_path / name for name in ("in.glb", "out.glb", "rig.json"))
+        mesh = small_mesh(("jawOpen", "mouthPucker"))
+        path.write_bytes(mesh_to_glb(mesh, Clip(("jawOpen",), 30, np.zeros((1, 1)))))
+        own = Rig(
+            "own", (Control("jaw.rx", -90, 90),), {}, bones=(Bone("head"), Bone("jaw", "head"))
+        )
+        save_rig(own, tmp_path / "own.json")
+        command = ["rigs", "bones", str(path), "--rig", str(tmp_path / "own.json")]
+        assert cli([*command, "-o", str(out), "--save-rig", str(rig)]) == 0
+        read = pygltflib.GLTF2().load(str(out))
+        assert [read.nodes[joint].name for joint in read.skins[0].joints] == ["head", "jaw"]
+        assert read.meshes[0].primitives[0].attributes.JOINTS_0 is not None
+        assert load_rig(rig).mapping is not None
+
+    @pytest.mark.parametrize(
+        ("arguments", "said"),
+        [
+            (["-o", "x.png"], "x.png: name a file that ends in .glb"),
+            (["--rig", "facefx"], "'facefx' has no bones"),
+            (["missing.glb"], "missing.glb: no such file"),
+        ],
+    )
+    def test_what_cannot_be_done_is_said_in_one_line(
+        self, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str], head: Head
+    ) -> None:
+        del head
+        assert cli(["rigs", "bones", *arguments]) == 2
+        error = capsys.readouterr().err
+        assert said in error
+        assert error.count("\n") == 1
 
 
 class TestGlb:

@@ -25,7 +25,7 @@ Examples:
     jawForward             0.26       1.0             5%
 \b
   lipwright rigs bones hero.glb -o hero-bones.glb --save-rig hero.json
-  lipwright animate hello.flac --rig hero.json --onto hero-bones.glb -o speaks.glb
+  lipwright animate talk.wav --text talk.txt --rig hero.json --onto hero-bones.glb -o speaks.glb
 """
 
 

@@ -1,6 +1,6 @@
 """Skin weights of a mesh for bones whose motion is known.
 
-The weight step of Le and Deng 2012, Smooth Skinning Decomposition with Rigid Bones, section 4.1.
+The weight step of Le and Deng 2012, Smooth Skinning Decomposition with Rigid Bones.
 """
 
 from __future__ import annotations
