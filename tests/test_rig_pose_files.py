@@ -146,6 +146,10 @@ class TestTexts:
             ('{"poses": {"mode1-3": {}, "mode1-2": {}}}', "mode1-2 and mode1-3 are one pose twice"),
             ('{"poses": {"mode9+3": {}}}', "no pose 'mode9.3'; the poses are mean.* mode8.3"),
             ('{"poses": {"smile": {}}}', "no pose 'smile'"),
+            ('{"poses": {"mode1+0.0001": {}}}', "sigma is 0.0001, not -3 or 3"),
+            ('{"poses": {"mode1+' + "9" * 400 + '": {}}}', "sigma is inf"),
+            ('{"mean": {"open": 1' + "0" * 400 + "}}", "a.json"),
+            ('{"mean": {"open": -Infinity}}', "'open' is -inf, not a number"),
             ('{"poses": }', r"a\.json:1:11: Expecting value"),
             ("[]", "no file of poses"),
             ("[" * 100_000, "a.json"),
@@ -255,6 +259,17 @@ def posed_glb(path: Path, frames: dict[str, dict[str, float]], times: np.ndarray
     document.set_binary_blob(bytes(data))
     document.save(str(path))
     return path
+
+
+def test_the_page_shows_the_file_of_the_crab(tmp_path: Path) -> None:
+    page = (EXAMPLES.parent / "docs" / "rig-poses.md").read_text("utf-8")
+    block = page.partition("```json\n")[2].partition("```")[0]
+    (tmp_path / "a.json").write_text(block, "utf-8")
+    rig = load_rig(CRAB)
+    shown, there = (
+        read_poses(path, rig) for path in (tmp_path / "a.json", CRAB.with_name("crab.poses.json"))
+    )
+    assert pose_values(shown) == pose_values(there)
 
 
 class TestGlb:

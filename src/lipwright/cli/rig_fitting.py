@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lipwright.retarget.fitting import Fitted
     from lipwright.rig import PoseMapping, Rig
 
-GLTF: Final = (".glb", ".gltf")
+GLTF: Final = (".glb", ".gltf", ".vrm")
 HIDDEN: Final = 0.5  # share of a control's motion that is not shown, from which it is named
 FIT_EXAMPLES = """\b
 Examples:

@@ -55,7 +55,14 @@ def read_poses(path: Path, rig: Rig, modes: int = MODES) -> PoseMapping:
         raise LipwrightError(
             f"{path}:{error.lineno}:{error.colno}: {error.msg}; poses are a JSON file"
         ) from error
-    except (LipwrightError, csv.Error, ValueError, TypeError, RecursionError) as error:
+    except (
+        LipwrightError,
+        csv.Error,
+        ValueError,
+        TypeError,
+        RecursionError,
+        OverflowError,
+    ) as error:
         raise LipwrightError(f"{path}: {error}") from error
 
 

@@ -16,6 +16,7 @@ from lipwright.controls import CANONICAL, both_sides
 LARGEST: Final = 1e6  # a gain, an offset or a rig value; what is larger is a slip of the pen
 MODES: Final = 4  # Taylor et al. 2017, section 6: the first four shape modes
 SIGMA: Final = 3.0  # standard deviations, the same
+SIGMAS: Final = (0.1, 100.0)  # of a pose, either way; nearer to the mean nothing can be told
 
 
 def is_source(name: str) -> bool:
@@ -121,7 +122,7 @@ class RigPose:
     """One of the poses that an artist set: the rig where the reference face shows one mode.
 
     Raises:
-        ValueError: the mode is below 1, sigma is 0 or not finite, or a value is not finite.
+        ValueError: the mode is below 1, sigma is near 0 or not finite, or a value is not finite.
     """
 
     mode: int
@@ -135,7 +136,7 @@ class RigPose:
         """Check and freeze."""
         if isinstance(self.mode, bool) or not isinstance(self.mode, int) or self.mode < 1:
             raise ValueError(f"the mode {self.mode!r} is no number from 1 on")
-        if not 0 < abs(self.sigma) < math.inf:
+        if not SIGMAS[0] <= abs(self.sigma) <= SIGMAS[1]:
             raise ValueError(f"mode {self.mode}: sigma is {self.sigma}, not -3 or 3")
         _check_numbers(self.label, self.values)
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
