@@ -10,7 +10,7 @@ relative to the key. NODE is that of a MeshInstance3D below the root node of the
 
 Bones of the rig are `position_3d` (m) and `rotation_3d` (quaternion x, y, z, w) tracks of
 `Skeleton3D:NAME`, a key a frame. Turns of the head are left out. Godot keeps times and weights in
-floats of 24 bits; here they have 1 us and seven digits.
+floats of 24 bits; here they have 1 us and seven digits, points of `bezier` tracks six.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _bezier_keys(curve: KeyedCurve) -> str:
     third = np.diff(curve.times, prepend=curve.times[0], append=curve.times[-1]) / 3
     before, after = third[:-1], third[1:]
     points = key_rows(
-        "%.7g, %.7g, %.7g, %.7g, %.7g, ",
+        "%.6g, %.6g, %.6g, %.6g, %.6g, ",
         curve.values, -before, -before * curve.arriving, after, after * curve.leaving,
     )  # fmt: skip
     modes = key_rows("%d, ", np.where(is_smooth(curve), BALANCED, FREE)).removesuffix(", ")

@@ -9,7 +9,7 @@ angle is the slope a second, in units, cm or radians.
 
 Blendshapes are attributes of a blendShape node; animImport goes by what is selected. Bones of the
 rig are `translate` (cm) and `rotate` (degrees) of joints of their names. Times are frames of the
-rates that Maya has names for, else seconds, to 1 us; values have seven digits. Turns of the head
+rates that Maya has names for, else seconds, in nine digits; values have seven. Turns of the head
 are left out.
 """
 
@@ -146,9 +146,9 @@ def _keys(part: MayaCurve, rate: float, linear: bool) -> str:
     curve = part.curve
     times = curve.times * rate
     if linear:
-        return key_rows("    %.6f %.7g linear linear 1 1 0;\n", times, curve.values)
+        return key_rows("    %.9g %.7g linear linear 1 1 0;\n", times, curve.values)
     before, after = (
         np.degrees(np.arctan(part.inner(slopes))) for slopes in (curve.arriving, curve.leaving)
     )
-    form = "    %.6f %.7g fixed fixed %d 1 0 %.9g 1 %.9g 1;\n"
+    form = "    %.9g %.7g fixed fixed %d 1 0 %.7g 1 %.7g 1;\n"
     return key_rows(form, times, curve.values, is_smooth(curve), before, after)

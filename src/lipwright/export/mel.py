@@ -9,8 +9,8 @@ the tangents before and after each key: seconds and units, cm or radians, of len
 The script takes the node that the global string `$lipwright_node` names, else the selected
 blendShape node, else that of the selected mesh; it prints which attributes the node lacks. Curves
 that drove them before stay in the scene, cut off. Times are in the clip's own rate, or in seconds
-where Maya has no name for that; the scene's unit is put back at the end. Times have 1 us, values
-seven digits. Turns of the head are left out.
+where Maya has no name for that; the scene's unit is put back at the end. Times have nine digits,
+values seven, directions six. Turns of the head are left out.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def _lines(performance: Performance, options: ExportOptions) -> Iterator[str]:
     for part in maya_curves(performance, options.keys):
         yield f'lipwright_begin "{KINDS[part.kind]}" {2 if options.keys is None else 1};\n'
         yield _set("ktv", part.curve.times * rate, part.curve.values)
-        if options.keys is not None:
+        if options.keys is not None and len(part.curve) > 1:
             yield _tangents(part)
         node = f'"{part.node}"' if part.node else "$lipwright_shapes"
         yield f'lipwright_end {node} "{part.attribute}";\n'
@@ -132,7 +132,7 @@ def _tangents(part: MayaCurve) -> str:
 def _set(attribute: str, *columns: Floats) -> str:
     """Commands that set an array attribute of the curve in blocks."""
     count = len(columns[0])
-    form = " %.6f %.7g" if len(columns) == 2 else " %.9g"
+    form = " %.9g %.7g" if len(columns) == 2 else " %.6g"
     lines = []
     for first in range(0, count, BLOCK):
         last = min(first + BLOCK, count) - 1
