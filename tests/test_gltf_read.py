@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
 import struct
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +20,15 @@ from lipwright.errors import LipwrightError
 from lipwright.export import ExportOptions, Performance, export_all, read_clip
 from lipwright.export.glb import mesh_to_glb
 from lipwright.export.gltf_curves import join_keys, shared_keys, slopes
+from lipwright.export.vrma import clip_to_vrma
 from lipwright.face.head import Head
 from lipwright.face.neck import turn_shares, turned
 from lipwright.face.turning import head_rotations
 from lipwright.keys import KeyedCurve, keyed
+from lipwright.retarget import retarget
+from lipwright.rig import load_rig
 from made_gltf import small_head, small_mesh
-from reading_gltf import Reader, reader
+from reading_gltf import WEB, Reader, reader
 
 __all__ = ["reader"]
 
@@ -206,3 +211,24 @@ def test_the_json_is_strict_and_the_chunks_are_aligned() -> None:
     for view in document["bufferViews"]:
         assert view["byteOffset"] % 4 == 0
         assert view["byteOffset"] + view["byteLength"] <= binary
+
+
+def test_khronos_validator_finds_nothing_wrong(tmp_path: Path, head: Head) -> None:
+    if shutil.which("node") is None or not (WEB / "node_modules" / "gltf-validator").is_dir():
+        pytest.skip("gltf-validator is not installed; run: npm ci --prefix tests/web")
+    slow = Clip(("jawOpen",), 60, 0.5 - 0.5 * np.cos(np.arange(241) / 120 * np.pi)[:, None])
+    files = {
+        "head.glb": mesh_to_glb(head, CLIP),
+        "still.glb": mesh_to_glb(SQUARE, CLIP.select(CANONICAL)),
+        "cubic.glb": mesh_to_glb(SQUARE, slow, keys=KEYS / 10),
+        "a.vrma": clip_to_vrma(retarget(CLIP, load_rig("vrm1"))),
+        "few.vrma": clip_to_vrma(retarget(CLIP, load_rig("vrm1")), keys=KEYS),
+    }
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    options = ExportOptions(onto=tmp_path / "head.glb")
+    export_all([tmp_path / "onto.glb"], Performance(CLIP), options=options)
+    names = [*files, "onto.glb"]
+    command = ["node", WEB / "validate.mjs", *(tmp_path / name for name in names)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert dict(zip(names, json.loads(run.stdout), strict=True)) == {name: [] for name in names}
