@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,7 @@ Floats = npt.NDArray[np.float64]
 def moving(**curves: list[float]) -> Clip:
     """Canonical curves at 10 frames a second; the others rest."""
     count = len(next(iter(curves.values())))
-    clip = Clip(CANONICAL, 10, np.zeros((count, len(CANONICAL))))
+    clip = Clip(CANONICAL, 10, np.zeros((count, len(CANONICAL)), np.float32))
     return clip.with_curves(curves)
 
 
@@ -264,7 +265,7 @@ class TestFit:
 
     def test_the_fit_asks_for_every_pair_of_english_sounds_and_gets_speech(self) -> None:
         phones = every_pair().phones
-        assert len({(a, b) for a, b in zip(phones, phones[1:], strict=False)}) > 400
+        assert len(set(pairwise(phones))) > 400
         poses = speech_poses()
         assert poses.shape[1] == len(CANONICAL)
         assert 0 <= poses.min() <= poses.max() <= 1

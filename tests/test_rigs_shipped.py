@@ -31,7 +31,7 @@ def text_of(name: str) -> str:
 
 def posed(**weights: float) -> Clip:
     """One frame; names without their side mean both."""
-    values = np.zeros((1, len(CANONICAL)))
+    values = np.zeros((1, len(CANONICAL)), np.float32)
     for name, weight in weights.items():
         values[0, [CANONICAL.index(side) for side in both_sides(name)]] = weight
     return Clip(CANONICAL, 60, values)
@@ -77,7 +77,7 @@ class TestFiles:
     def test_a_mirrored_motion_moves_the_mirrored_controls(self, name: str) -> None:
         rig = load_rig(name)
         rng = np.random.default_rng(5)
-        clip = Clip(CANONICAL, 60, rng.uniform(0, 0.7, (20, len(CANONICAL))))
+        clip = Clip(CANONICAL, 60, rng.uniform(0, 0.7, (20, len(CANONICAL))).astype(np.float32))
         swapped = clip.select([MIRROR[control] for control in CANONICAL])
         mirrored = Clip(CANONICAL, 60, swapped.values)
         assert isinstance(rig.mapping, LinearMapping)
@@ -106,9 +106,9 @@ class TestNames:
         assert set(load_rig("vrm1").names) == presets
 
     def test_vrm_0_has_the_presets_of_its_specification(self) -> None:
-        assert set(load_rig("vrm0").names) == set(
-            "Neutral A I U E O Blink Blink_L Blink_R Fun Angry Sorrow Joy LookUp LookDown "
-            "LookLeft LookRight".split()
+        assert " ".join(sorted(load_rig("vrm0").names)) == (
+            "A Angry Blink Blink_L Blink_R E Fun I Joy LookDown LookLeft LookRight LookUp Neutral "
+            "O Sorrow U"
         )
 
     def test_drawn_mouths_have_the_shapes_of_rhubarb_and_of_papagayo(self) -> None:

@@ -69,7 +69,6 @@ def list_rigs(as_json: bool) -> None:
     """List the rigs that ship."""
     import json
 
-    from lipwright.cli.listing import _columns
     from lipwright.rig import RIGS, load_rig
 
     known = [load_rig(name) for name in RIGS]
@@ -83,8 +82,9 @@ def list_rigs(as_json: bool) -> None:
         }  # fmt: skip
         click.echo(json.dumps(table, ensure_ascii=False, indent=1))
         return
-    rows = [(rig.name, f"{len(rig.controls):8}", follows(rig), rig.title) for rig in known]
-    _columns([("rig", "controls", "follows", "what it is"), *rows])
+    click.echo(f"{'rig':13}  controls  {'follows':7}  what it is")
+    for rig in known:
+        click.echo(f"{rig.name:13}  {len(rig.controls):8}  {follows(rig):7}  {rig.title}")
 
 
 @rigs.command(epilog=SHOW_EXAMPLES)
