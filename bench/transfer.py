@@ -3,6 +3,7 @@
     python bench/transfer.py                         # planted targets: the error against the truth
     python bench/transfer.py --speed                 # poses a second, and the time to register
     python bench/transfer.py --sheet docs/deformation-transfer.png
+    python bench/transfer.py --marks docs/head-landmarks.png
     python bench/transfer.py --example examples      # other-head.obj and its landmarks
 
 Targets: our head under a smooth warp, whose shapes are then known, and another person of MakeHuman
@@ -32,6 +33,7 @@ from lipwright.face.head import Head, load_head
 from lipwright.face.head_landmarks import LandmarkPairs, named_points, pairs, read_landmarks
 from lipwright.face.lips import with_closed_lips
 from lipwright.face.obj import read_target
+from lipwright.face.partners import same_topology
 from lipwright.face.png import write_png
 from lipwright.face.registration import register
 from lipwright.face.render import Renderer
@@ -40,6 +42,7 @@ from lipwright.face.surface import Surface, mesh_surface
 from lipwright.face.target_mesh import character
 from lipwright.face.topology import QuadGraph
 from lipwright.face.transfer import TransferSolver
+from lipwright.files import write_whole
 from lipwright.wheels import fetch_members, read_members
 
 Floats = npt.NDArray[np.float64]
@@ -55,7 +58,7 @@ POSES = (
     {"eyeBlink": 1.0, "browInnerUp": 1.0},
 )  # fmt: skip
 ROUNDS = 30
-TILE = 220  # px
+TILE = 180  # px
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,10 +203,14 @@ def speed(head: Head, example: Path) -> None:
     target = read_surface(example / "other-head.obj").surface
     start = time.perf_counter()
     placed = register(head, target, read_landmarks(example / "other-head.csv", head, target))
-    print(f"registration: {time.perf_counter() - start:.1f} s")
-    for name, surface in (("other-head.obj", target),):
+    print(f"registration to other-head.obj: {time.perf_counter() - start:.1f} s")
+    own = mesh_surface(head)
+    for name, source, surface, partners in (
+        ("other-head.obj", placed.source, target, placed.partners),
+        ("our own head, by number", own, own, same_topology(own, own)),
+    ):
         start = time.perf_counter()
-        solver = TransferSolver(placed.source, surface, placed.partners)
+        solver = TransferSolver(source, surface, partners)
         made = time.perf_counter() - start
         start = time.perf_counter()
         for _ in solver.frames(poses):
@@ -211,6 +218,38 @@ def speed(head: Head, example: Path) -> None:
         rate = ROUNDS / (time.perf_counter() - start)
         print(f"{name}: {len(surface.triangles)} triangles, set up in {made:.2f} s, "
               f"{rate:.0f} poses a second")  # fmt: skip
+
+
+def marks_picture(path: Path, head: Head) -> None:
+    """Draw the named landmarks on the head."""
+    from matplotlib.figure import Figure
+
+    size, camera = 900, Camera((0.0, 0.01, 1.3), (0.0, 0.01, 0.05), 9.0)
+    with Renderer(head, size, size, "software", camera) as renderer:
+        drawn = renderer.render(np.zeros(len(head.shape_names)))
+    names = list(named_points())
+    points = pairs(head, dict.fromkeys(names, np.zeros(3))).on(head.vertices)
+    clip = np.c_[points, np.ones(len(points))] @ camera.matrix(1.0).T
+    x = (clip[:, 0] / clip[:, 3] + 1) / 2 * size
+    y = (1 - clip[:, 1] / clip[:, 3]) / 2 * size
+    figure = Figure(figsize=(12, 9), dpi=80)
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.imshow(drawn)
+    axes.plot(x, y, "o", color="#d02020", markersize=4)
+    left = x < size / 2 - 1
+    for side, chosen in ((-1, np.flatnonzero(left)), (1, np.flatnonzero(~left))):
+        order = chosen[np.argsort(y[chosen])]
+        rows = np.linspace(40, size - 40, len(order))
+        for row, index in zip(rows, order, strict=True):
+            axes.annotate(
+                names[index], (x[index], y[index]), (-30 if side < 0 else size + 30, row),
+                ha="right" if side < 0 else "left", va="center", fontsize=11,
+                arrowprops={"arrowstyle": "-", "color": "#777777", "lw": 0.6},
+            )  # fmt: skip
+    axes.set_xlim(-200, size + 200)
+    axes.set_axis_off()
+    with write_whole(path) as part:
+        figure.savefig(part)
 
 
 def picture(
@@ -279,6 +318,7 @@ def main() -> None:
     parser.add_argument("--wheel", type=Path, help="the head's wheel, where it was fetched")
     parser.add_argument("--speed", action="store_true")
     parser.add_argument("--sheet", type=Path, metavar="PNG")
+    parser.add_argument("--marks", type=Path, metavar="PNG")
     parser.add_argument("--example", type=Path, metavar="FOLDER")
     options = parser.parse_args()
     head = load_head()
@@ -287,6 +327,8 @@ def main() -> None:
         write_example(options.example, head, options.wheel)
     elif options.speed:
         speed(head, examples)
+    elif options.marks:
+        marks_picture(options.marks, head)
     elif options.sheet:
         target = read_surface(examples / "other-head.obj").surface
         marks = read_landmarks(examples / "other-head.csv", head, target)

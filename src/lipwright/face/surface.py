@@ -225,12 +225,10 @@ def mesh_surface(mesh: Mesh, part_names: Sequence[str] | None = None) -> Surface
     """
     kept = [p.triangles for p in mesh.parts if part_names is None or p.name in part_names]
     triangles = np.concatenate([mesh.triangles[run] for run in kept])
-    return Surface(
-        mesh.vertices.astype(np.float64),
-        triangles.astype(np.int64),
-        mesh.welds.astype(np.int64),
-        mesh.uvs,
-    )
+    # Cloth that was made of the skin below it is welded to that for its shading alone.
+    here = (mesh.vertices == mesh.vertices[mesh.welds]).all(axis=1)
+    welds = np.where(here, mesh.welds, np.arange(len(here)))
+    return Surface(mesh.vertices.astype(np.float64), triangles.astype(np.int64), welds, mesh.uvs)
 
 
 def _shown(point: Floats) -> str:
