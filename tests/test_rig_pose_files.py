@@ -313,10 +313,17 @@ class TestGlb:
             read_pose_frames(path, RIG, (8, 9, 10))
 
     def test_a_file_without_the_targets_lists_what_it_has(self, tmp_path: Path) -> None:
-        frames = {str(i): planted()["mean"] for i in range(8)}
+        frames = {label: planted()[label] for label in pose_labels()}
         path = posed_glb(tmp_path / "a.glb", frames, np.arange(8) / 24)
-        with pytest.raises(LipwrightError, match=r"'crab'.*it moves Wide, open, Jaw\.tx"):
+        with pytest.raises(LipwrightError, match=r"'crab'.*it moves Wide, open, Jaw\.ty, Jaw\.rx"):
             read_pose_frames(path, load_rig(CRAB), (8, 9, 10))
+
+    def test_a_name_that_is_alike_by_chance_and_still_is_no_pose(self, tmp_path, head) -> None:
+        mean = load_reference_shape().human["mean"]["jawOpen"]
+        opened = np.linspace(0, mean, 8, dtype=np.float32)[:, None]  # its tongueOut rests
+        (tmp_path / "a.glb").write_bytes(mesh_to_glb(head, Clip(("jawOpen",), 1, opened)))
+        with pytest.raises(LipwrightError, match=r"'crab'.*it moves jawOpen$"):
+            read_pose_frames(tmp_path / "a.glb", load_rig(CRAB), (8, 9, 10))
 
     def test_frames_that_do_not_rest_are_out_of_range(self, tmp_path: Path) -> None:
         frames = {label: {**planted()[label], "open": 100.0} for label in LABELS}

@@ -26,6 +26,7 @@ from lipwright.rig import CHANNELS, Rig
 Floats = npt.NDArray[np.float64]
 
 SAME: Final = 1e-4  # s; keys that are closer are at one time
+LEAST: Final = 1e-6  # weights, m or degrees; what changes by less is still
 LISTED: Final = 12  # names that an error lists
 PATHS: Final = ("weights", "translation", "rotation")
 
@@ -65,12 +66,17 @@ def read_pose_frames(path: Path, rig: Rig, counts: tuple[int, ...]) -> Clip:
     times = _pose_times(path, channels, counts)
     curves = _curves(character, channels, times)
     found = _matched(curves, rig)
-    if not found:
+    if not any(map(_changes, found.values())):
+        moved = [name for name, curve in curves.items() if _changes(curve)]
         raise LipwrightError(
             f"{path}: moves none of the controls of the rig {rig.name!r} "
-            f"({', '.join(rig.names[:4])}...); it moves {_listed(list(curves))}"
+            f"({', '.join(rig.names[:4])}...); it moves {_listed(moved)}"
         )
     return Clip(tuple(found), 1.0, np.stack(list(found.values()), axis=1).astype(np.float32))
+
+
+def _changes(curve: Floats) -> bool:
+    return bool(np.ptp(curve) > LEAST)
 
 
 def _listed(names: list[str]) -> str:
