@@ -210,7 +210,8 @@ class TestNew:
         assert rows["jaw_open"] == {"jawOpen": 1.0}
         assert rows["mouthSmile_R"] == {"mouthSmileRight": 1.0}
         assert rows["EYEBLINKLEFT"] == {"eyeBlinkLeft": 1.0}
-        assert "resting until you say what they follow: Smile_L, tail" in lines[1]
+        assert rows["Smile_L"] == {"mouthSmileLeft": 1.0}
+        assert "resting until you say what they follow: tail" in lines[1]
 
     @pytest.mark.parametrize(
         ("names", "like"),

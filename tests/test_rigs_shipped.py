@@ -113,7 +113,8 @@ class TestNames:
 
     def test_drawn_mouths_have_the_shapes_of_rhubarb_and_of_papagayo(self) -> None:
         assert load_rig("rhubarb").names == tuple("ABCDEFGHX")
-        assert set(load_rig("preston-blair").names) == set("AI O E U etc L WQ MBP FV rest".split())
+        names = " ".join(sorted(load_rig("preston-blair").names))
+        assert names == "AI E FV L MBP O U WQ etc rest"
         assert [name for name in RIGS if load_rig(name).discrete] == ["preston-blair", "rhubarb"]
 
     def test_rocketbox_numbers_all_of_arkit(self) -> None:

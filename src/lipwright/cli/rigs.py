@@ -35,14 +35,14 @@ Examples:
 CHECK_EXAMPLES = """\b
 Examples:
   lipwright rigs check vrm1
-    vrm1: 18 controls, 14 follow, nothing to complain of
+    vrm1: 18 controls, 12 follow, nothing to complain of
 \b
   lipwright rigs check mine.json hero.json
 """
 NEW_EXAMPLES = """\b
 Examples:
   lipwright rigs new hero --controls jaw_open,Smile_L,mouthSmile_R,blink -o hero.json
-    hero.json: hero, 4 controls, 3 follow: 2 as in arkit, 1 as in vrm1
+    hero.json: hero, 4 controls, 4 follow: 3 as in arkit, 1 as in vrm1
 \b
   lipwright rigs new hero --from hero.glb -o hero.json     # its morph targets
   lipwright rigs new hero --like vrm1 -o hero.json         # a copy to change
@@ -58,6 +58,8 @@ def follows(rig: Rig) -> str:
     """In a word how a rig follows canonical controls."""
     from lipwright.rig import LinearMapping
 
+    if rig.discrete:
+        return "drawn"
     if rig.mapping is None:
         return "itself" if rig.name == "arkit" else "not yet"
     return "rows" if isinstance(rig.mapping, LinearMapping) else "poses"

@@ -25,6 +25,9 @@ _VOWELS: Final = {"I": "ih", "O": "oh", "U": "ou"}
 """names of Ready Player Me and Rocketbox beside the other visemes of Oculus, which they share"""
 
 
+SHORTEST: Final = 5  # letters of a name that is taken for the end of a canonical one
+
+
 @dataclass(frozen=True)
 class Guess:
     """A rig, and what its controls were taken for."""
@@ -93,7 +96,12 @@ def _look_up(names: tuple[str, ...], rigs: list[Rig]) -> dict[str, tuple[Rig, st
             if new not in found and (rig.name, old) not in taken and _follows(rig, old):
                 found[new] = (rig, old)
                 taken.add((rig.name, old))
-    return found
+    arkit = next((rig for rig in rigs if rig.mapping is None), None)
+    for new in names if arkit is not None else ():
+        whole = [name for name in CANONICAL if name.casefold().endswith(loose_name(new))]
+        if new not in found and len(whole) == 1 and len(loose_name(new)) >= SHORTEST:
+            found[new] = (arkit, whole[0])
+    return {name: found[name] for name in names if name in found}
 
 
 def _spellings(name: str) -> Iterator[str]:
