@@ -26,6 +26,14 @@ tests/web/node_modules/.installed: tests/web/package-lock.json
 	@if command -v npm >/dev/null; then npm ci --silent --prefix tests/web && touch $@; \
 	  else echo "npm is missing: tests that read files with three.js skip"; fi
 
+# What the Blender add-on is tested with: it wants this Python and an older numpy, so it gets an
+# environment of its own. Without it those tests skip.
+.venv-bpy/.installed: | .venv/bin/python
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' \
+	  && $(BIN)/python -m venv .venv-bpy \
+	  && .venv-bpy/bin/python -m pip install --quiet --disable-pip-version-check 'bpy==5.0.1'; \
+	then touch $@; else rm -rf .venv-bpy; echo "bpy is missing: tests of the Blender add-on skip"; fi
+
 # A recording and its words become a video, an animated head and a table of curves.
 demo: .venv/.installed
 	$(BIN)/lipwright head install --if-missing
@@ -34,7 +42,7 @@ demo: .venv/.installed
 	  -o demo/hello.mp4 -o demo/hello.glb -o demo/hello.csv
 	@ls -l demo
 
-test: .venv/.tested tests/web/node_modules/.installed
+test: .venv/.tested tests/web/node_modules/.installed .venv-bpy/.installed
 	$(BIN)/lipwright head install --if-missing
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -52,4 +60,4 @@ bench: .venv/.tested
 	$(BIN)/python bench/speed.py
 
 clean:
-	rm -rf .venv demo .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf .venv .venv-bpy tests/web/node_modules demo .pytest_cache .ruff_cache .mypy_cache .hypothesis

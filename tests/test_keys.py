@@ -138,7 +138,7 @@ class TestSparse:
                 inside = np.arange(start, end + 1)
                 if np.abs(spline(inside) - values[inside]).max() <= error:
                     least[start] = min(least[start], 1 + least[end])
-        found = len(kept_frames(values[:, None], slopes[:, None], error)[0])
+        found = len(kept_frames(values[:, None], slopes[:, None], np.array([error]))[0])
         assert least[0] <= found <= 1.15 * least[0]
         # Keys that are fitted, rather than taken from the curve, are fewer still.
         assert len(keyed(clip, 0.01).curves["c0"]) < least[0]
@@ -148,6 +148,14 @@ class TestSparse:
         keys = keyed(clip, 0.01)
         assert np.abs(keys.to_clip().values - clip.values).max() <= 0.01
         assert keys.curves["c0"].times[-1] == pytest.approx(clip.duration)
+
+    def test_the_bound_of_a_bones_place_is_in_centimetres(self) -> None:
+        millimetre = np.sin(np.arange(60) / 5)[:, None].astype(np.float32) / 1000  # m
+        clip = Clip(("lip.ty", "lip_y"), 60, np.hstack([millimetre, millimetre]))
+        keys = keyed(clip, 0.01)
+        assert [len(curve) > 1 for curve in keys.curves.values()] == [True, False]
+        off = np.abs(keys.to_clip().values - clip.values).max(axis=0)
+        assert off[0] <= 0.0001
 
     def test_a_control_that_moves_less_than_the_bound_has_one_key(self) -> None:
         values = np.zeros((20, 1), np.float32)

@@ -107,21 +107,21 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
 
     Args:
         clip: the curves.
-        error: at every frame at the most this far from the clip, in units of the control; None for
-            one key a frame, joined by straight lines.
+        error: at every frame at the most this far from the clip, in units of the control, or in cm
+            where a bone's place is in m; None for one key a frame, joined by straight lines.
         names: the controls to take; all of them by default.
     """
     chosen = clip.names if names is None else tuple(names)
     values = clip.select(chosen).values.astype(np.float64)
     low, high = values.min(axis=0), values.max(axis=0)
-    bound = 0.0 if error is None else error
-    moving = np.flatnonzero(high - low > 2 * SHARE * bound)
+    bounds = np.array([0.0 if error is None else _bound(name, error) for name in chosen])
+    moving = np.flatnonzero(high - low > 2 * SHARE * bounds)
     if error is None:
         kept: list[Frames] = [np.arange(len(clip), dtype=np.intp)] * len(moving)
         slopes = np.zeros_like(values)
     else:
         slopes = np.gradient(values, axis=0) if len(clip) > 1 else np.zeros_like(values)
-        kept = kept_frames(values[:, moving], slopes[:, moving], HEADROOM * error)
+        kept = kept_frames(values[:, moving], slopes[:, moving], HEADROOM * bounds[moving])
     frames = dict(zip(moving.tolist(), kept, strict=True))
     curves = {}
     for column, name in enumerate(chosen):
@@ -132,10 +132,18 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
             curves[name] = every_frame(values[:, column], clip.times)
         else:
             fitted = fitted_keys(
-                values[:, column], slopes[:, column], frames[column], SHARE * bound
+                values[:, column], slopes[:, column], frames[column], SHARE * bounds[column]
             )
             curves[name] = _smooth(*fitted, clip.fps)
     return KeyedClip(curves, clip.fps, len(clip), linear=error is None)
+
+
+_PLACES: Final = (".tx", ".ty", ".tz")  # channels of bones in m; see `rig.values.CHANNELS`
+_CM: Final = 0.01  # m
+
+
+def _bound(name: str, error: float) -> float:
+    return error * _CM if name.endswith(_PLACES) else error
 
 
 def every_frame(values: Floats, times: Floats) -> KeyedCurve:
@@ -159,16 +167,16 @@ REACH: Final = 96  # frames from key to key at the most
 PATIENCE: Final = 8  # spans in a row that do not fit, before longer ones are given up
 
 
-def kept_frames(values: Floats, slopes: Floats, error: float) -> list[Frames]:
+def kept_frames(values: Floats, slopes: Floats, errors: Floats) -> list[Frames]:
     """The frames of each curve that become keys: from each the farthest that still fits.
 
-    A span fits where the cubic through its ends with their slopes is within `error` of every frame
+    A span fits where the cubic through its ends with their slopes is within its error of all frames
     between. All curves are gone through at once, in runs of `LANE` frames.
 
     Args:
         values: (T, C).
         slopes: (T, C) a frame.
-        error: in units of the controls.
+        errors: (C,) in units of the controls.
 
     Returns:
         For each of C curves its frames, rising, the first and the last among them.
@@ -180,7 +188,7 @@ def kept_frames(values: Floats, slopes: Floats, error: float) -> list[Frames]:
     stop = np.minimum(frame + LANE, count - 1)
     keys = [(column, frame)]
     while len(column):
-        frame = frame + _farthest(values, slopes, error, column, frame, stop)
+        frame = frame + _farthest(values, slopes, errors, column, frame, stop)
         keys.append((column, frame))
         going = frame < stop
         column, frame, stop = column[going], frame[going], stop[going]
@@ -189,7 +197,7 @@ def kept_frames(values: Floats, slopes: Floats, error: float) -> list[Frames]:
 
 
 def _farthest(
-    values: Floats, slopes: Floats, error: float, column: Frames, frame: Frames, stop: Frames
+    values: Floats, slopes: Floats, errors: Floats, column: Frames, frame: Frames, stop: Frames
 ) -> Frames:
     """For each of n starts the longest span, in frames, that fits; at least one frame."""
     best = np.minimum(1, stop - frame)
@@ -207,7 +215,7 @@ def _farthest(
             length * slopes[start, c], length * slopes[ends, c],
         )  # fmt: skip
         off = np.abs(curve - values[start + np.arange(1, length), c]).max(axis=1)
-        best[trying[off <= error]] = length
+        best[trying[off <= errors[column[trying]]]] = length
     return best
 
 

@@ -35,6 +35,8 @@ class Wanted:
     """the GLB or VRM that a GLB is to animate"""
     keys: float | None
     """the bound of few keys, in units of the controls"""
+    node: str
+    """of the scene, that has the blendshapes; see `ExportOptions.node`"""
     edits: Path | None
     """the file that keeps what people change in the output"""
     size: str
@@ -70,7 +72,11 @@ class Wanted:
                 f"--size {self.size!r} is not WIDTHxHEIGHT in pixels, such as 512x512"
             )
         return ExportOptions(
-            size=(int(width), int(height)), title=title, keys=self.keys, onto=self.onto
+            size=(int(width), int(height)),
+            title=title,
+            keys=self.keys,
+            onto=self.onto,
+            node=self.node,
         )
 
     def check(self, targets: tuple[str, ...], suffix: str | None) -> None:
@@ -99,6 +105,9 @@ def character_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--keys", type=float, help="Few keys with tangents, within this of every frame, as 0.01."
     )
     @click.option(
+        "--node", default="", help="Node with the blendshapes, in .anim, .tres and .maya.anim."
+    )
+    @click.option(
         "--edits", type=Path, help="File that keeps what you change in the output, for later runs."
     )
     @click.option(
@@ -107,9 +116,9 @@ def character_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(command)
     def inner(
         *arguments: Any, rig: str | None, onto: Path | None, keys: float | None,
-        edits: Path | None, size: str, **more: Any,
+        node: str, edits: Path | None, size: str, **more: Any,
     ) -> Any:  # fmt: skip
-        return command(*arguments, wanted=Wanted(rig, onto, keys, edits, size), **more)
+        return command(*arguments, wanted=Wanted(rig, onto, keys, node, edits, size), **more)
 
     return inner
 

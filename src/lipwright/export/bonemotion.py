@@ -38,7 +38,8 @@ class BoneMotion:
 
 def scene_node(options: ExportOptions) -> str:
     """The name of the node that has the blendshapes: that of the character that a GLB shows."""
-    return HEAD_NODE if options.character is None else options.character.name
+    own = HEAD_NODE if options.character is None else options.character.name
+    return options.node or own
 
 
 def bone_channels(performance: Performance) -> dict[str, tuple[Bone, str]]:

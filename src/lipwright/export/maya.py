@@ -104,12 +104,10 @@ def maya_curves(performance: Performance, error: float | None) -> Iterator[MayaC
     for name, (bone, channel) in bone_channels(performance).items():
         node = bone.name.translate(_JOINED)
         axis = channel[1].upper()
+        curve = keyed(clip, error, [name]).curves[name]
         if channel[0] == "r":
-            curve = keyed(clip, error, [name]).curves[name]
             yield MayaCurve(node, f"rotate{axis}", "angular", curve)
         else:
-            # The bound is meant in the unit that the curve is edited in.
-            curve = keyed(clip, error and error / CENTIMETRES, [name]).curves[name]
             rest = float(rest_place(bone, bones)["XYZ".index(axis)])
             yield MayaCurve(node, f"translate{axis}", "linear", _placed(curve, rest))
 
@@ -131,7 +129,7 @@ def _lines(performance: Performance, options: ExportOptions) -> Iterator[str]:
     yield f"angularUnit deg;\nstartTime 0;\nendTime {number(clip.duration * rate, 12)};\n"
     index: dict[str, int] = {}
     for part in maya_curves(performance, options.keys):
-        node = part.node or NODE
+        node = part.node or options.node or NODE
         place = index[node] = index.get(node, -1) + 1
         group = part.attribute[:-1]
         attribute = f"{group}.{part.attribute}" if part.node else part.attribute

@@ -84,6 +84,9 @@ class ExportOptions:
     keys: float | None = None
     """in formats that keep curves between keys, as few keys as stay within this of every frame, in
     units of the control; None for one key a frame"""
+    node: str = ""
+    """the node of the scene that has the blendshapes: in Unity the path of the renderer, in Godot
+    of the MeshInstance3D, in Maya the blendShape; by default as our GLB or Maya calls it"""
     onto: Path | None = None
     """the GLB or VRM of a character that a GLB is to animate"""
     progress: Callable[[int, int], None] | None = field(default=None, compare=False)

@@ -59,7 +59,7 @@ class Bone:
 
     name: str
     parent: str = ""
-    """another bone of the rig, or empty: the head"""
+    """another bone of the rig; empty for none"""
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """m, where it is at rest: y up, z forward, +x to the character's own left, from the joint of
     head and neck"""
