@@ -256,6 +256,27 @@ class TestBones:
         back = read_clip(tmp_path / "out.glb")
         assert back.select(names).values == pytest.approx(clip.values, abs=1e-4)
 
+    def test_few_keys_of_a_bone_are_within_tenths_of_mm_and_degrees(self, tmp_path: Path) -> None:
+        times = np.arange(200)[:, None] / 60
+        waves = np.sin(times * [2, 3, 4, 5]) * [0.02, 0.01, 15, 10]
+        clip = Clip(("jaw.tx", "jaw.ty", "jaw.rx", "jaw.rz"), 60, waves)
+        content = to_glb(*character(nodes=[{"name": "jaw", "scale": [1, 1, 1]}]))
+        few = animate(tmp_path, content, clip, keys=0.05)
+        back = read_clip(tmp_path / "out.glb").select(clip.names)
+        off = np.abs(back.values - clip.values).max(axis=0)
+        assert (off < [0.0005 + 1e-6, 0.0005 + 1e-6, 0.05, 0.05]).all()
+        assert len(few) < len(animate(tmp_path, content, clip))
+
+    def test_a_bone_that_rests_is_animated_too(self, tmp_path: Path) -> None:
+        content = to_glb(*character(nodes=[{"name": "jaw"}]))
+        clip = Clip(("jaw.rx",), 60, np.zeros((30, 1), np.float32))
+        document, _ = from_glb(animate(tmp_path, content, clip))
+        (channel,) = document["animations"][0]["channels"]  # glTF asks for at least one
+        assert channel["target"] == {"node": 0, "path": "rotation"}
+        back = read_clip(tmp_path / "out.glb")
+        assert len(back) == len(clip)
+        assert not back.values.any()
+
     def test_a_node_with_a_matrix_is_animated_from_where_it_was(
         self, tmp_path: Path, reader: Reader
     ) -> None:

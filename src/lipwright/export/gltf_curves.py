@@ -1,11 +1,12 @@
 """Curves as samplers of a glTF animation.
 
 All weights of a mesh share one sampler, and so the times of their keys (glTF 2.0, section 3.11).
-With few keys, the smaller of two is written. CUBICSPLINE has the keys of all curves, and every
-curve is resampled at the others' times, which changes no cubic; a key is three numbers a curve.
-LINEAR has as few frames as keep all curves in reach of straight lines; a key is one number. Twenty
-curves of speech together have keys nearly everywhere, so that LINEAR wins there; slow or few curves
-are cubic. Times are float32: within 0.03 ms in a clip of ten minutes.
+With few keys, one curve alone is CUBICSPLINE, and of several the smaller of two is written.
+CUBICSPLINE has the keys of all curves, and every curve is resampled at the others' times, which
+changes no cubic; a key is three numbers a curve. LINEAR has as few frames as keep all curves in
+reach of straight lines; a key is one number. Twenty curves of speech together have keys nearly
+everywhere, so that LINEAR wins there; slow or few curves are cubic. Times are float32: within
+0.03 ms in a clip of ten minutes.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ Floats = npt.NDArray[np.float64]
 
 KINDS: Final = {"weights": "SCALAR", "translation": "VEC3", "rotation": "VEC4"}
 """what a channel animates, to the type of its accessor"""
+AHEAD: Final = 8  # frames to look ahead at first; a line over all curves of speech ends sooner
 MARK: Final = "lipwright"
 """in an animation's `extras`: the frames a second of the clip, which of several animations it is,
 and the node that turns with the head"""
@@ -64,17 +66,25 @@ class Animation:
         self.mark["head"] = node
         self.animate(node, "rotation", quaternions)
 
-    def animate(self, node: int, path: str, values: npt.NDArray[np.floating]) -> None:
+    def animate(
+        self, node: int, path: str, values: npt.NDArray[np.floating], unit: float = 1.0
+    ) -> None:
         """Move a node's weights, translation or rotation by `values` (T, n).
 
         Curves that are equal share their data.
+
+        Args:
+            node: its number.
+            path: a key of `KINDS`.
+            values: as glTF has them; rotations are unit quaternions.
+            unit: that of the bound of few keys, in that of the values; of rotations in radians.
         """
         stored = np.ascontiguousarray(values, np.float32)
         key = (path, stored.tobytes())
         if key not in self._samplers:
             self._samplers[key] = len(self.body["samplers"])
             # An error of e in each of four numbers of a unit quaternion turns by up to 4 e.
-            error = self.keys and (self.keys / 4 if path == "rotation" else self.keys)
+            error = self.keys and self.keys * (unit / 4 if path == "rotation" else unit)
             self.body["samplers"].append(_sampler(self.store, path, stored, self.fps, error))
         self.body["channels"].append(
             {"sampler": self._samplers[key], "target": {"node": node, "path": path}}
@@ -91,8 +101,9 @@ def _sampler(
         times, values = times[ends], values[ends]
     elif error is not None:
         joined, *parts = join_keys(keyed(clip, error))
-        corners = shared_keys(values, error)
-        if 3 * len(joined) < len(corners):
+        alone = np.count_nonzero(np.ptp(values, axis=0)) == 1
+        corners = [] if alone else shared_keys(values, error)
+        if alone or 3 * len(joined) < len(corners):
             interpolation, times = "CUBICSPLINE", joined
             values = np.stack(parts, axis=1).astype(np.float32)
         else:
@@ -108,22 +119,30 @@ def shared_keys(values: npt.NDArray[np.float32], error: float) -> list[int]:
     From each key the next is as far as one line a curve reaches: it must end at a frame's own
     values, and pass every frame between within `error`.
     """
-    rows = values.astype(np.float64)
-    keys, last, best = [0], 0, 0
-    while last < len(rows) - 1:
-        low, high = np.full(rows.shape[1], -np.inf), np.full(rows.shape[1], np.inf)
-        for frame in range(last + 1, len(rows)):
-            step, rise = frame - last, rows[frame] - rows[last]
-            slope = rise / step
-            if ((slope >= low) & (slope <= high)).all():
-                best = frame
-            low = np.maximum(low, slope - error / step)
-            high = np.minimum(high, slope + error / step)
-            if (low > high).any():
-                break
-        keys.append(best)
-        last = best
+    moving = values[:, np.ptp(values, axis=0) > 0].astype(np.float64)
+    keys, end = [0], len(values) - 1
+    while keys[-1] < end:
+        start, ahead = keys[-1], AHEAD
+        step, final = _farthest(moving[start : start + ahead + 1], error)
+        while not final and start + ahead < end:
+            ahead *= 2
+            step, final = _farthest(moving[start : start + ahead + 1], error)
+        keys.append(start + step)
     return keys
+
+
+def _farthest(rows: Floats, error: float) -> tuple[int, bool]:
+    """How far the line from the first of (n + 1, C) rows reaches, and that it ends before the last.
+
+    All slopes count that pass each frame so far within `error`.
+    """
+    steps = np.arange(1, len(rows))[:, None]
+    slopes = (rows[1:] - rows[0]) / steps
+    low = np.maximum.accumulate(slopes - error / steps, axis=0)
+    high = np.minimum.accumulate(slopes + error / steps, axis=0)
+    reached = ((slopes[1:] >= low[:-1]) & (slopes[1:] <= high[:-1])).all(axis=1)
+    farthest = int(np.flatnonzero(np.append(True, reached))[-1]) + 1
+    return farthest, bool((low > high).any())
 
 
 def join_keys(keys: KeyedClip) -> tuple[Floats, Floats, Floats, Floats]:

@@ -41,6 +41,8 @@ from lipwright.rig.file import RIGS
 
 Floats = npt.NDArray[np.float64]
 
+CM: Final = 0.01  # m; the unit of few keys of places of bones, as in `lipwright.keys`
+DEGREE: Final = np.pi / 180  # the unit of turns of bones
 NAMED: Final = 12  # names that an error lists
 OWN_RIG: Final = "arkit"  # whose controls are the canonical ones
 PICTURES: Final = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
@@ -165,29 +167,32 @@ def _rest_weights(character: Character, node: int) -> npt.NDArray[np.float32]:
 
 
 def _move_bones(character: Character, clip: Clip, animation: Animation, rests: Rests) -> None:
-    channels: dict[int, Floats] = {}
+    places: dict[int, Floats] = {}
+    angles: dict[int, Floats] = {}
     for name in clip.names:
         bone = character.bone(name)
         if bone is not None and not character.binds(name)[0]:
             node, channel = bone
-            channels.setdefault(node, np.zeros((len(clip), 6)))[:, channel] = clip.curve(name)
+            of_kind = places if channel < 3 else angles
+            values = of_kind.setdefault(node, np.zeros((len(clip), 3)))
+            values[:, channel % 3] = clip.curve(name)
+    for node, values in places.items():
+        moved = rests.translation(node) + values / rests.parent_scale(node)
+        animation.animate(node, "translation", moved, CM / rests.parent_scale(node))
     turned: dict[int, Floats] = {}
-    for node, values in channels.items():
-        if values[:, :3].any():
-            moved = rests.translation(node) + values[:, :3] / rests.parent_scale(node)
-            animation.animate(node, "translation", moved)
-        if values[:, 3:].any():
-            from scipy.spatial.transform import Rotation
+    for node, values in angles.items():
+        from scipy.spatial.transform import Rotation
 
-            turn = Rotation.from_euler("xyz", values[:, 3:], degrees=True).as_quat()
-            turned[node] = multiply(turn, rests.rotation(node))
+        turn = Rotation.from_euler("xyz", values, degrees=True).as_quat()
+        turned[node] = multiply(turn, rests.rotation(node))
     turns, head = head_turns(clip), character.head
     if turns is not None and head is not None:
         about = _in_parent(head_quaternions(turns), rests.parent_turn(head), character.file)
         turned[head] = multiply(about, turned.get(head, rests.rotation(head)))
         animation.mark["head"] = head
     for node, quaternions in turned.items():
-        animation.animate(node, "rotation", continuous(quaternions))
+        unit = DEGREE if node in angles else 1.0
+        animation.animate(node, "rotation", continuous(quaternions), unit)
 
 
 def _in_parent(turn: Floats, parent: Floats, file: GltfFile) -> Floats:

@@ -7,8 +7,8 @@ presets are presets, all others custom. Where an avatar looks is not an expressi
 in the T-pose; the head's rotation is that of the clip's head.
 
 Players take the sound from elsewhere; none is written. Each expression has keys of its own: one a
-frame, two where it never changes, or few, as cubic splines or lines. Weights are float32, times
-too.
+frame, two where it never changes, or few, as cubic splines. Weights and times are
+float32.
 """
 
 from __future__ import annotations
