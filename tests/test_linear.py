@@ -246,6 +246,14 @@ class TestFit:
         assert rows["a"].gains["jawOpen"] == pytest.approx(1.0, abs=0.02)
         assert rows["b"].gains["mouthFunnel"] == pytest.approx(1.0, abs=0.02)
 
+    def test_correctives_are_found_where_they_help(self, head: Head) -> None:
+        options = FitOptions(controls=("aa", "ou"), poses=few_poses())
+        plain = fit_looks(load_rig("vrm1"), head, options)
+        better = fit_looks(load_rig("vrm1"), head, replace(options, correctives=2))
+        assert plain.mapping.correctives == ()
+        assert 0 < len(better.mapping.correctives) <= 2
+        assert better.error < plain.error * 1.02
+
     def test_only_the_controls_that_may_move_do(self, head: Head) -> None:
         fitted = fit_looks(
             load_rig("vrm1"), head, FitOptions(controls=("aa", "ou"), poses=few_poses())
@@ -305,6 +313,12 @@ class TestTrouble:
         target = character(head, {"jaw": shape_of(head, jawOpen=1.0)})
         with pytest.raises(LipwrightError, match="no blendshape of it is a canonical control"):
             fit_meshes(target, target, rig_of("jaw"))
+
+    def test_poses_of_another_shape_and_nan_are_refused(self) -> None:
+        with pytest.raises(ValueError, match=r"the shape \(3, 52\), not \(N, 55\)"):
+            FitOptions(poses=np.zeros((3, 52)))
+        with pytest.raises(ValueError, match="not finite"):
+            FitOptions(poses=np.full((3, 55), np.nan))
 
     def test_a_control_that_the_rig_lacks_is_refused(self, head: Head) -> None:
         with pytest.raises(LipwrightError, match="'tail', which the rig 'vrm1' lacks"):

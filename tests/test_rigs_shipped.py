@@ -239,3 +239,21 @@ class TestSpeech:
         for start, end in spans:
             frames = slice(int(start * clip.fps), int(np.ceil(end * clip.fps)) + 1)
             assert estimated[frames].min() < limit, (start, end)
+
+
+class TestPage:
+    page = (ROOT / "docs" / "rigs.md").read_text("utf-8")
+
+    def test_it_lists_every_rig_with_its_number_of_controls(self) -> None:
+        rows = re.findall(r"^\| `([\w-]+)` \| [^|]+ \| (\d+) \|", self.page, re.MULTILINE)
+        assert {name: int(count) for name, count in rows} == {
+            name: len(load_rig(name).controls) for name in RIGS
+        }
+
+    def test_its_example_is_a_rig_in_the_form_that_is_saved(self, tmp_path: Path) -> None:
+        path = tmp_path / "puppet.json"
+        path.write_text(self.page.split("```json\n")[1].split("```")[0], "utf-8")
+        rig = load_rig(path)
+        moved = retarget(posed(jawOpen=0.5, eyeBlinkLeft=1.0, jawLeft=1.0), rig)
+        assert moved.values[0].tolist() == pytest.approx([0.85, 10.0, 0.0, 1.0])
+        assert retarget(posed(jawOpen=1.0, mouthPucker=1.0), rig).curve("flap") == 0.9

@@ -96,11 +96,11 @@ def _look_up(names: tuple[str, ...], rigs: list[Rig]) -> dict[str, tuple[Rig, st
             if new not in found and (rig.name, old) not in taken and _follows(rig, old):
                 found[new] = (rig, old)
                 taken.add((rig.name, old))
-    arkit = next((rig for rig in rigs if rig.mapping is None), None)
-    for new in names if arkit is not None else ():
-        whole = [name for name in CANONICAL if name.casefold().endswith(loose_name(new))]
-        if new not in found and len(whole) == 1 and len(loose_name(new)) >= SHORTEST:
-            found[new] = (arkit, whole[0])
+    for arkit in (rig for rig in rigs if rig.mapping is None):
+        for new in names:
+            ends = [name for name in CANONICAL if name.casefold().endswith(loose_name(new))]
+            if new not in found and len(ends) == 1 and len(loose_name(new)) >= SHORTEST:
+                found[new] = (arkit, ends[0])
     return {name: found[name] for name in names if name in found}
 
 

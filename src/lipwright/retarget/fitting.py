@@ -35,7 +35,11 @@ SEEN: Final = 0.05  # of the range; what speech moves less has no correctives
 
 @dataclass(frozen=True)
 class FitOptions:
-    """How a mapping is fitted."""
+    """How a mapping is fitted.
+
+    Raises:
+        ValueError: the poses have another shape, or are not finite.
+    """
 
     controls: Collection[str] | None = None
     """of the rig, that may move; by default all that are seen"""
@@ -54,6 +58,15 @@ class FitOptions:
     """gains below are dropped"""
     decimals: int = 2
     """of the gains"""
+
+    def __post_init__(self) -> None:
+        """Check."""
+        if self.poses is None:
+            return
+        if self.poses.ndim != 2 or self.poses.shape[1] != len(CANONICAL) or not len(self.poses):
+            raise ValueError(f"poses have the shape {self.poses.shape}, not (N, {len(CANONICAL)})")
+        if not np.isfinite(self.poses).all():
+            raise ValueError("poses are not finite")
 
 
 @dataclass(frozen=True, eq=False)

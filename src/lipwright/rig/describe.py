@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from lipwright.controls import CANONICAL, both_sides
+from lipwright.controls import CANONICAL, GROUPS, both_sides
 from lipwright.rig.mapping import Corrective, LinearMapping, PoseMapping, Row
 from lipwright.rig.values import Control, Rig
 
@@ -22,11 +22,13 @@ def following(rig: Rig) -> set[str]:
 
 
 def heard(rig: Rig) -> set[str]:
-    """The canonical controls that a rig follows; all of them where it follows poses."""
+    """The canonical controls that a rig follows; with poses, those of jaw and lips."""
     if isinstance(rig.mapping, LinearMapping):
         return rig.mapping.sources
     if isinstance(rig.mapping, PoseMapping):
-        return set(CANONICAL)
+        named = {side for row in rig.mapping.rows.values() for name in row.gains
+                 for side in both_sides(name)}  # fmt: skip
+        return {*GROUPS["jaw"], *GROUPS["lips"], *named}
     return following(rig)
 
 
