@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT, HEAD_ANGLES
 from lipwright.errors import LipwrightError
-from lipwright.export import ExportOptions, Performance, export_all
+from lipwright.export import ExportOptions, Performance, export_all, read_clip
 from lipwright.export.vrma import GAZE, PRESETS, clip_to_vrma
 from lipwright.face.turning import head_rotations
 from lipwright.retarget import retarget
@@ -96,6 +96,17 @@ def test_it_has_the_bones_that_vrm_requires_in_a_t_pose(tmp_path: Path) -> None:
         assert np.ptp([joint[1] for joint in arm]) == 0
         assert (np.diff([joint[0] * sign for joint in arm]) > 0).all()
     assert all("rotation" not in node for node in nodes)
+
+
+@pytest.mark.parametrize("keys", [None, KEYS])
+def test_it_reads_back(tmp_path: Path, keys: float | None) -> None:
+    clip = retarget(speech(), load_rig("vrm1"))
+    written(tmp_path, Performance(speech()), keys)
+    back = read_clip(tmp_path / "a.vrma")
+    assert set(back.names) == set(clip.names) - GAZE
+    assert (back.fps, len(back)) == (clip.fps, len(clip))
+    off = np.abs(back.values - clip.select(back.names).values).max()
+    assert off < (keys or 0) + 1e-6
 
 
 def test_other_names_are_custom_expressions(tmp_path: Path, reader: Reader) -> None:

@@ -4,7 +4,8 @@ Read is the last animation that Lipwright wrote, or else the first that moves mo
 bones. Keys are sampled at the frames a second that its `extras` or the asset's `extras.fps` say, or
 at 60, as glTF 2.0 (Appendix C) lays down for STEP, LINEAR and CUBICSPLINE. A bone's six controls
 are its translation beside that at rest in m, and its rotation from that at rest in degrees, in the
-axes of its parent; the node that Lipwright turned with the head gives the angles of the head.
+axes of its parent; the node that Lipwright turned with the head gives the angles of the head. In a
+VRM animation the x of an expression's node is its weight.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from lipwright.rig.values import CHANNELS
 
 Floats = npt.NDArray[np.float64]
 
+VRMA: Final = "VRMC_vrm_animation"
 USUAL_FPS: Final = 60.0  # of files that say none
 MAX_VALUES: Final = 2**28  # of a clip, a gigabyte
 ROUNDING: Final = 2.0**-23  # of a number as float32, twice the most
@@ -82,7 +84,7 @@ def _slerp(u: Floats, start: Floats, end: Floats) -> Floats:
 
 
 def read_clip_gltf(path: PathLike) -> Clip:
-    """The clip of a GLB or `.gltf`.
+    """The clip of a GLB, `.gltf` or VRMA.
 
     Raises:
         LipwrightError: the file cannot be used, or moves nothing that has a name.
@@ -168,7 +170,7 @@ def _curves(
 ) -> dict[str, Floats]:
     """Control to its values (T,)."""
     curves: dict[str, Floats] = {}
-    rests = Rests(character)
+    rests, expressions = Rests(character), _expressions(character)
     for (node, path), sampler in channels.items():
         values = sampler.at(times, turns=path == "rotation")
         name = character.file.name(character.nodes[node])
@@ -180,6 +182,8 @@ def _curves(
         elif path == "rotation" and node == head:
             angles = head_angles(_turned(values, rests, node))
             curves |= dict(zip(HEAD_ANGLES, angles.T, strict=True))
+        elif path == "translation" and node in expressions:
+            curves.setdefault(expressions[node], values[:, 0])
         elif name:
             three = (
                 (values - rests.translation(node)) * rests.parent_scale(node)
@@ -191,6 +195,18 @@ def _curves(
             ):
                 curves.setdefault(f"{name}.{channel}", column)
     return curves
+
+
+def _expressions(character: Character) -> dict[int, str]:
+    """The nodes that stand for expressions in a VRM animation."""
+    file = character.file
+    both = file.table("expressions", file.table(VRMA, file.table("extensions")))
+    return {
+        file.index(item, "node", len(character.nodes), f"the expression {name[:40]!r}"): name
+        for kind in ("custom", "preset")
+        for name, item in file.table(kind, both).items()
+        if name and isinstance(item, dict)
+    }
 
 
 def _turned(values: Floats, rests: Rests, node: int, in_scene: bool = True) -> Floats:

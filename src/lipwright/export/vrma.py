@@ -21,12 +21,12 @@ import numpy as np
 from lipwright.clip import Clip
 from lipwright.controls import HEAD_ANGLES
 from lipwright.errors import LipwrightError
+from lipwright.export.gltf_clip import VRMA, read_clip_gltf
 from lipwright.export.gltf_curves import Animation, check_clock
 from lipwright.export.gltf_store import Json, Store
 from lipwright.export.performance import ExportOptions, Output, Performance
 from lipwright.face.turning import head_quaternions, head_turns
 
-EXTENSION: Final = "VRMC_vrm_animation"
 PRESETS: Final = frozenset((
     "happy", "angry", "sad", "relaxed", "surprised", "aa", "ih", "ou", "ee", "oh", "blink",
     "blinkLeft", "blinkRight", "neutral",
@@ -105,12 +105,12 @@ def clip_to_vrma(clip: Clip, name: str = "speech", keys: float | None = None) ->
             "generator": f"Lipwright {version('lipwright')}",
             "extras": {"fps": clip.fps},
         },
-        "extensionsUsed": [EXTENSION],
+        "extensionsUsed": [VRMA],
         "scene": 0,
         "scenes": [{"nodes": [0, *range(len(bones), len(nodes))]}],
         "nodes": nodes,
         "extensions": {
-            EXTENSION: {
+            VRMA: {
                 "specVersion": "1.0",
                 "humanoid": {
                     "humanBones": {bone: {"node": place} for place, bone in enumerate(bones)}
@@ -139,3 +139,6 @@ def _bone_nodes() -> list[Json]:
         if above:
             nodes[bones.index(above)].setdefault("children", []).append(bones.index(bone))
     return nodes
+
+
+read = read_clip_gltf
