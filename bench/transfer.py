@@ -170,7 +170,7 @@ def child(head: Head, wheel: Path | None) -> tuple[Planted, list[list[int]]]:
 def compare(planted: Planted, head: Head) -> None:
     """Print how far the made shapes are from the planted ones."""
     placed = register(head, planted.surface, planted.landmarks)
-    solver = TransferSolver(placed.source, planted.surface, placed.partners)
+    solver = TransferSolver(placed.source, planted.surface, placed.partners, placed.contacts)
     mm = 1000 / placed.scale
     print(
         f"{planted.name}: {len(planted.surface.triangles)} triangles, "
@@ -205,12 +205,12 @@ def speed(head: Head, example: Path) -> None:
     placed = register(head, target, read_landmarks(example / "other-head.csv", head, target))
     print(f"registration to other-head.obj: {time.perf_counter() - start:.1f} s")
     own = mesh_surface(head)
-    for name, source, surface, partners in (
-        ("other-head.obj", placed.source, target, placed.partners),
-        ("our own head, by number", own, own, same_topology(own, own)),
+    for name, source, surface, *paired in (
+        ("other-head.obj", placed.source, target, placed.partners, placed.contacts),
+        ("our own head, by number", own, own, same_topology(own, own), None),
     ):
         start = time.perf_counter()
-        solver = TransferSolver(source, surface, partners)
+        solver = TransferSolver(source, surface, *paired)
         made = time.perf_counter() - start
         start = time.perf_counter()
         for _ in solver.frames(poses):
@@ -281,7 +281,7 @@ def sheet(path: Path, head: Head, targets: list[tuple[Surface, LandmarkPairs]]) 
     rows.append((ours, lambda pose: head.pose(weights(pose)).astype(float), own_marks, 1.0))
     for surface, marks in targets:
         placed = register(head, surface, marks)
-        solver = TransferSolver(placed.source, surface, placed.partners)
+        solver = TransferSolver(placed.source, surface, placed.partners, placed.contacts)
         shapes = solver.blendshapes(head)
         rows.append((
             surface,

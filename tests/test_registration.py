@@ -62,7 +62,7 @@ def posed(head: Head, **weights: float) -> Floats:
 
 def made(head: Head, surface: Surface, landmarks: LandmarkPairs) -> Made:
     placed = register(head, surface, landmarks)
-    solver = TransferSolver(placed.source, surface, placed.partners)
+    solver = TransferSolver(placed.source, surface, placed.partners, placed.contacts)
     lips = placed.placed[placed.source.place_of][head.lip_pairs]  # (3, 2, 3)
     facing = Surface(placed.placed, placed.source.corners).place_normals
     normals = facing[placed.source.place_of][head.lip_pairs]

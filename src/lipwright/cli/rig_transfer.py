@@ -136,7 +136,7 @@ def _fit(surface: Surface, head: Head, path: Path, landmarks: Path | None, same:
 
         marks, said = pairs(head, find_landmarks(surface, head)), "seen in a picture of the mesh: "
     placed = register(head, surface, marks)
-    solver = TransferSolver(placed.source, surface, placed.partners)
+    solver = TransferSolver(placed.source, surface, placed.partners, placed.contacts)
     lines = (f"{said}{len(marks.names)} landmarks", _quality(placed, len(surface.triangles)))
     mean_mm = placed.mean_distance / placed.scale * 1000
     poor = f"warning: the head fits badly ({mean_mm:.1f} mm); give more landmarks, or better ones"

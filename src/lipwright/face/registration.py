@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from lipwright.errors import LipwrightError
 from lipwright.face.closest import Finder
+from lipwright.face.contacts import Contacts, lip_contacts
 from lipwright.face.gradients import surface_gradient
+from lipwright.face.head import Head
 from lipwright.face.head_landmarks import LandmarkPairs
-from lipwright.face.mesh import Mesh
 from lipwright.face.pairing import find_partners
 from lipwright.face.partners import Partners
 from lipwright.face.surface import Surface, mesh_surface
@@ -53,6 +54,7 @@ class Registration:
     placed: Floats
     """(P, 3), the places of `source` bent to the target, in its axes and unit"""
     partners: Partners
+    contacts: Contacts
     mean_distance: float
     """of the skin that found a place on the target, in the target's unit"""
     worst_distance: float
@@ -65,7 +67,7 @@ class Registration:
     """share of the head's skin that found a place on the target"""
 
 
-def register(mesh: Mesh, target: Surface, landmarks: LandmarkPairs) -> Registration:
+def register(mesh: Head, target: Surface, landmarks: LandmarkPairs) -> Registration:
     """Bend our head to a target, and pair their triangles.
 
     Args:
@@ -100,6 +102,7 @@ def register(mesh: Mesh, target: Surface, landmarks: LandmarkPairs) -> Registrat
         source,
         placed,
         find_partners(mesh, source, placed, target, landmarks, spread),
+        lip_contacts(mesh, source, placed, target, spread),
         float(far.mean()),
         float(np.percentile(far, 95)),
         float(np.linalg.norm(found - landmarks.points, axis=1).mean()),
@@ -133,7 +136,7 @@ class _SkinFit:
         source: Surface,
         face: Surface,
         rest: Floats,
-        mesh: Mesh,
+        mesh: Head,
         target: Surface,
         landmarks: LandmarkPairs,
         spread: float,

@@ -8,7 +8,9 @@ is cut; and the fourth vertex of each target triangle, which only that triangle 
 What is left is a Poisson equation over the target's vertices, factorised once.
 
 Gradients leave each connected piece free to be anywhere. It is put where its triangles have moved
-on the whole as their partners have, those that move least counting most: the skull stays.
+on the whole as their partners have, those that move least counting most: the skull stays. Lips that
+touch are near in space and far on the surface, so that they part as the source's by equations of
+their own.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lipwright.errors import LipwrightError
+from lipwright.face.contacts import Contacts
 from lipwright.face.gradients import GradientMeter, surface_gradient
 from lipwright.face.partners import Partners
 from lipwright.face.surface import Surface
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STILL: Final = 0.03  # of the greatest motion; triangles that move less anchor a piece alike
+CONTACT_PULL: Final = 10.0  # of a pair that touches, against cotangents of about 1
 SPREAD_PULL: Final = 1e-4  # a triangle's pull to rest against that of a neighbour
 
 
@@ -75,13 +79,20 @@ class TransferSolver:
         placement: takes the source to the place, size and direction of the target.
     """
 
-    def __init__(self, source: Surface, target: Surface, partners: Partners) -> None:
+    def __init__(
+        self,
+        source: Surface,
+        target: Surface,
+        partners: Partners,
+        contacts: Contacts | None = None,
+    ) -> None:
         """Factorise.
 
         Args:
             source: at rest.
             target: at rest.
             partners: which triangles belong together.
+            contacts: points that are to part as far as the source's do.
 
         Raises:
             LipwrightError: no triangle has a partner, or all that have one lie on a line.
@@ -105,13 +116,15 @@ class TransferSolver:
         self._meter = GradientMeter(placed)
         self._anchors = _Anchors(source, target, partners.weights, usable)
         self._spread = _Spread(target, partners.weights, usable)
-        self._poisson = _Poisson(target, self._anchors.held)
+        self._contacts = contacts
+        self._poisson = _Poisson(target, self._anchors.held, contacts)
 
     def displacements(self, posed: NDArray[np.floating[Any]]) -> Floats:
         """(V, 3), how far the target's vertices move when the source's are at `posed` (V', 3)."""
         places = self.placement.apply(self._source.at_places(posed))
         turned = self._spread.apply(self._meter.gradients(places) - np.eye(3))
-        moves = self._poisson.solve(turned)
+        parted = None if self._contacts is None else self._contacts.source @ (places - self._rest)
+        moves = self._poisson.solve(turned, parted)
         moves = self._anchors.settle(moves, places - self._rest)
         return np.asarray(moves[self.target.place_of])
 
@@ -138,7 +151,9 @@ class TransferSolver:
 class _Poisson:
     """Displacements out of deformation gradients, up to the shift of each piece."""
 
-    def __init__(self, target: Surface, held: NDArray[np.int64]) -> None:
+    def __init__(
+        self, target: Surface, held: NDArray[np.int64], contacts: Contacts | None = None
+    ) -> None:
         from scipy.sparse import dia_array
 
         gradient = surface_gradient(target)
@@ -150,12 +165,18 @@ class _Poisson:
         # The right side adds up to 0 in each piece, so that holding one place costs nothing.
         diagonal = np.zeros(len(target.places))
         diagonal[held] = laplacian.diagonal().max()
+        self._pull = None if contacts is None else CONTACT_PULL * contacts.target.T
+        if contacts is not None:
+            laplacian = laplacian + self._pull @ contacts.target
         self._factors = factorised(laplacian + dia_array((diagonal[None], 0), laplacian.shape))
 
-    def solve(self, turned: Floats) -> Floats:
-        """(P, 3) for gradients less the identity, (N, 3, 3)."""
+    def solve(self, turned: Floats, parted: Floats | None = None) -> Floats:
+        """(P, 3) for gradients less the identity (N, 3, 3), and how contacts part (K, 3)."""
         aims = turned.transpose(0, 2, 1).reshape(-1, 3)  # rows by axis, columns by coordinate
-        return np.asarray(self._factors.solve(np.asarray(self._divergence @ aims)))
+        right = np.asarray(self._divergence @ aims)
+        if self._pull is not None and parted is not None:
+            right += self._pull @ parted
+        return np.asarray(self._factors.solve(right))
 
 
 class _Spread:
