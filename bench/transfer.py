@@ -29,13 +29,14 @@ from lipwright.capture.character_landmarks import find_landmarks
 from lipwright.controls import ARKIT, both_sides
 from lipwright.export.surfaces import read_surface
 from lipwright.face.asset import ADULT, MEMBERS, METRES, WHEEL, Asset, read_asset
+from lipwright.face.closest import Finder, closest_on_triangles
 from lipwright.face.head import Head, load_head
 from lipwright.face.head_landmarks import LandmarkPairs, named_points, pairs, read_landmarks
 from lipwright.face.lips import with_closed_lips
 from lipwright.face.obj import read_target
 from lipwright.face.partners import same_topology
 from lipwright.face.png import write_png
-from lipwright.face.registration import register
+from lipwright.face.registration import Registration, register
 from lipwright.face.render import Renderer
 from lipwright.face.shading import Camera
 from lipwright.face.surface import Surface, mesh_surface
@@ -43,6 +44,8 @@ from lipwright.face.target_mesh import character
 from lipwright.face.topology import QuadGraph
 from lipwright.face.transfer import TransferSolver
 from lipwright.files import write_whole
+from lipwright.language.pace import spoken_track
+from lipwright.pipeline import animate_track
 from lipwright.wheels import fetch_members, read_members
 
 Floats = npt.NDArray[np.float64]
@@ -58,6 +61,7 @@ POSES = (
     {"eyeBlink": 1.0, "browInnerUp": 1.0},
 )  # fmt: skip
 ROUNDS = 30
+LINE = "Please give me five papers by the window before we move."
 TILE = 180  # px
 
 
@@ -193,6 +197,30 @@ def compare(planted: Planted, head: Head) -> None:
     shares = np.array([row[3] for row in rows])
     print(f"  all {len(rows)}: median {np.median(shares):.1%}, worst {shares.max():.1%} "
           f"({rows[int(shares.argmax())][0]})")  # fmt: skip
+    print(
+        f"  aperture over a spoken line: r {lips_follow(planted.surface, placed, solver, head):.4f}"
+    )
+
+
+def lips_follow(
+    surface: Surface, placed: Registration, solver: TransferSolver, head: Head
+) -> float:
+    """The correlation of the head's aperture and the target's over a spoken line."""
+    clip = animate_track(spoken_track(LINE, "en", "the line"))
+    weights = clip.select(head.shape_names).values
+    at = placed.source.place_of[head.lip_pairs]
+    facing = Surface(placed.placed, placed.source.corners).place_normals
+    finder = Finder(surface)
+    parted = np.zeros((len(clip), len(head.lip_pairs), 3))
+    moves = np.stack([solver.shape(head.pose(row)) - surface.vertices for row in weights])
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        hits = finder.closest(placed.placed[at[:, side]], facing[at[:, side]])
+        corners = surface.triangles[hits.triangles]
+        shares = closest_on_triangles(hits.points, surface.vertices[corners])[1]
+        parted += sign * np.einsum("tnkc,nk->tnc", moves[:, corners], shares)
+    up = solver.placement.rotation @ [0.0, 1.0, 0.0]
+    gaps = np.maximum(parted @ up, 0.0).mean(axis=1)
+    return float(np.corrcoef(gaps, head.aperture_curve(weights))[0, 1])
 
 
 def speed(head: Head, example: Path) -> None:
