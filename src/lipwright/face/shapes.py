@@ -34,6 +34,7 @@ Floats = npt.NDArray[np.float64]
 
 FORMAT: Final = "lipwright-shape"
 VERSION: Final = 1  # raise when the fields of the file change
+MAX_BYTES: Final = 16_000_000  # of a file; those that ship have some hundred thousand
 SHAPES: Final = ("grid-s1",)
 """names of the reference shapes that ship"""
 
@@ -191,6 +192,8 @@ def load_reference_shape(name: str | Path = SHAPES[0]) -> ReferenceShape:
         raise LipwrightError(
             f"no reference shape {str(name)!r}; there are {', '.join(SHAPES)}, or name a .json file"
         )
+    if path.exists() and not (path.is_file() and path.stat().st_size <= MAX_BYTES):
+        raise LipwrightError(f"{path}: is no file, or too large; name a reference shape")
     try:
         return _from_json(json.loads(path.read_text("utf-8")))
     except OSError as error:
@@ -199,7 +202,14 @@ def load_reference_shape(name: str | Path = SHAPES[0]) -> ReferenceShape:
         ) from error
     except LipwrightError as error:
         raise LipwrightError(f"{path}: {error}") from error
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+    except (
+        LookupError,
+        TypeError,
+        ValueError,
+        ArithmeticError,
+        AttributeError,
+        RecursionError,
+    ) as error:
         raise LipwrightError(
             f"{path}: is no reference shape ({error}); make it with bench/reference_shape.py"
         ) from error

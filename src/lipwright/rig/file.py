@@ -12,6 +12,7 @@ from typing import Any, Final
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
+from lipwright.rig.layout import check_layout, parse_rig
 from lipwright.rig.mapping import (
     SIGMA,
     Corrective,
@@ -65,6 +66,8 @@ def read_rig(path: Path) -> Rig:
         LipwrightError: the file cannot be read, or is no rig; says where and why.
     """
     try:
+        if path.exists() and not path.is_file():
+            raise LipwrightError(f"{path}: is a folder, device or pipe; name a rig's JSON file")
         if path.stat().st_size > MAX_RIG_BYTES:
             raise LipwrightError(f"{path}: over {MAX_RIG_BYTES:,} bytes, which is no rig")
         text = path.read_text("utf-8")
@@ -73,7 +76,7 @@ def read_rig(path: Path) -> Rig:
     except UnicodeDecodeError as error:
         raise LipwrightError(f"{path}: is not UTF-8 text; name a rig's JSON file") from error
     try:
-        return _from_json(json.loads(text))
+        return _from_json(parse_rig(text))
     except json.JSONDecodeError as error:
         raise LipwrightError(
             f"{path}:{error.lineno}:{error.colno}: {error.msg}; a rig is a JSON file"
@@ -90,6 +93,7 @@ def read_rig(path: Path) -> Rig:
 
 def _from_json(data: Any) -> Rig:
     _check_version(data)
+    check_layout(data)
     mapping = data.get("mapping")
     return Rig(
         name=data["name"],
