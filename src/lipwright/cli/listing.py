@@ -144,7 +144,6 @@ PARTS = (
     Part("networks", "runs models: the engine window", _installed("onnxruntime"),
          "pip install lipwright"),
     Part("head", "GLB and MP4 output, pictures", is_installed, "lipwright head install"),
-    Part("gltf", "GLB output", _installed("pygltflib"), "pip install lipwright"),
     Part("gl", "draws the head ten times as fast", _has_gl,
          "install libEGL and Mesa, such as: apt install libegl1 libgl1-mesa-dri", needed=False),
     Part("capture", "faces out of video: lipwright capture and face",
@@ -158,6 +157,7 @@ PARTS = (
     Part("studio", "draws phone bigrams: lipwright bigrams editor and plot",
          _installed("fastapi", "uvicorn", "matplotlib"),
          "pip install 'lipwright[studio]'", needed=False),
+    Part("usd", "USD output", _installed("pxr"), "pip install 'lipwright[usd]'", needed=False),
     Part("openfacefx", "the peer in bench/lips.py", _installed("openfacefx"),
          "pip install 'lipwright[bench]'", needed=False),
 )  # fmt: skip

@@ -138,7 +138,8 @@ EXPORTERS: Final = MappingProxyType({
 
 def known_exports() -> dict[str, str]:
     """Suffix of each export format, and what it is."""
-    return {suffix: entry.about for suffix, entry in EXPORTERS.items()}
+    back = {True: "; read back too", False: ""}
+    return {suffix: entry.about + back[entry.reads] for suffix, entry in EXPORTERS.items()}
 
 
 def export_clip(
