@@ -87,8 +87,8 @@ class Wanted:
         """
         from lipwright.edits.keeping import edited_output
 
-        names = [f"out{suffix}" if target == STDIN and suffix else target for target in targets]
-        if self.onto is not None and not any(name.endswith((".glb", ".vrm")) for name in names):
+        names = [f"out{suffix}" if suffix else target for target in targets]
+        if self.onto is not None and not any(name.endswith(".glb") for name in names):
             raise LipwrightError(f"--onto {self.onto}: only a GLB has a character; add -o NAME.glb")
         if self.edits is not None:
             edited_output([target for target in targets if target != STDIN])
