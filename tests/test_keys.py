@@ -175,6 +175,15 @@ class TestJson:
             assert (back.names, back.fps, len(back)) == (clip.names, clip.fps, len(clip))
             assert np.abs(back.values - clip.values).max() <= error
 
+    def test_places_of_bones_and_slow_curves_are_within_it_too(self, tmp_path: Path) -> None:
+        fast = speech_like(controls=2).values * [0.03, 1.0]
+        for fps in (60, 5):
+            clip = Clip(("jaw.ty", "jaw.rx"), fps, fast)
+            for error in (0.1, 0.05, 0.01):
+                export_clip(tmp_path / "a.json", clip, options=ExportOptions(keys=error))
+                off = np.abs(read_clip(tmp_path / "a.json").values - clip.values).max(axis=0)
+                assert (off <= [error / 100, error]).all()
+
     def test_the_file_is_that_of_version_2_with_lists_by_control(self, tmp_path: Path) -> None:
         export_clip(tmp_path / "a.json", speech_like(), options=ExportOptions(keys=0.01))
         data = json.loads((tmp_path / "a.json").read_text())
@@ -210,7 +219,7 @@ class TestJson:
             ({"keys": {"a": {"frames": [2, 1], "values": [1, 1], "slopes": [0, 0]}}},
              "'a': times of keys do not rise"),
             ({"keys": {"a": {"frames": [0, 1], "values": [1], "slopes": [0, 0]}}}, "shape"),
-            ({"keys": {"": {"frames": [0], "values": [1], "slopes": [0]}}}, "names"),
+            ({"keys": {"": {"frames": [0], "values": [1], "slopes": [0]}}}, "has no name"),
             ({"keys": {"a": {"frames": [0, 4], "values": [0, 1e300], "slopes": [0, 0]}}}, "steep"),
         ],
     )  # fmt: skip

@@ -84,3 +84,41 @@ class TestRigs:
         os.mkfifo("pipe.json")
         with pytest.raises(LipwrightError, match=r"pipe\.json: is (a folder, device or|no file)"):
             load("pipe.json")
+
+
+def clip_file(names: list[str], rows: list[list[float]], **fields: Any) -> str:
+    content = {"format": "lipwright-clip", "version": 1, "fps": 60, **fields}
+    Path("clip.json").write_text(json.dumps({**content, "names": names, "values": rows}))
+    return "clip.json"
+
+
+class TestCurves:
+    @pytest.mark.parametrize("name", ["a\rb", "a\0b", "\u2028", "\ud83d", "\x1b[2J"])
+    def test_names_that_no_file_can_hold_are_refused(
+        self, name: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        path = clip_file([name], [[0.5]])
+        line = refusal(["convert", path, "-o", "out.csv"], capsys)
+        assert "clip.json: control 1, " in line
+        assert "has a control character or a line's end in its name; rename it" in line
+        assert not Path("out.csv").exists()
+
+    @pytest.mark.parametrize("suffix", [".vrma", ".motion3.json", ".vmd", ".bvh"])
+    def test_huge_values_end_with_the_range_of_the_rig(self, suffix: str) -> None:
+        path = clip_file(["jawOpen", "mouthClose"], [[3e38, -3e38], [-3e38, 3e38]])
+        assert run(["convert", path, "-o", f"out{suffix}"]) == 0
+
+    @pytest.mark.parametrize("fps", [1e-6, 1e-300])
+    def test_days_between_frames_are_refused_before_memory_is_taken(
+        self, fps: float, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        path = clip_file(["jawOpen"], [[0.5], [0.2]], fps=fps)
+        line = refusal(["convert", path, "-o", "out.vmd"], capsys)
+        assert f"has {fps:g} frames a second; at least 0.1" in line
+
+    def test_a_day_of_curves_is_converted_in_parts(
+        self, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        path = clip_file(["jawOpen"], [[0.5]] * 9000, fps=0.1)
+        line = refusal(["convert", path, "-o", "out.rhubarb.tsv"], capsys)
+        assert "lasts 89990 s, with 1 controls at 0.1 frames a second; convert it in parts" in line

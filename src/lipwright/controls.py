@@ -6,6 +6,7 @@ are the character's own. Values run from 0 (rest) to 1.
 
 from __future__ import annotations
 
+import unicodedata
 from types import MappingProxyType
 from typing import Final
 
@@ -71,3 +72,13 @@ GROUPS: Final = MappingProxyType(
 def both_sides(name: str) -> tuple[str, ...]:
     """The canonical controls of a name that may lack its side, as `mouthSmile` does."""
     return (name,) if name in CANONICAL else (f"{name}Left", f"{name}Right")
+
+
+NO_TEXT: Final = frozenset({"Cc", "Cs", "Zl", "Zp"})
+"""Unicode's categories of what no name has: control characters, which a terminal would obey, half
+letters of UTF-16, which no file can hold, and ends of lines"""
+
+
+def is_text(name: str) -> bool:
+    """Whether a name or line of others can be shown and written as it is."""
+    return not any(unicodedata.category(letter) in NO_TEXT for letter in name)

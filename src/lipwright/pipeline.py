@@ -389,8 +389,10 @@ def read_performance(
     ours = str(path).endswith(".json")
     found = read_performance_json(path) if ours else Performance(read_clip(path))
     clip = found.clip
+    _check_extent(path, clip, clip.fps)
     if fps is not None and fps != clip.fps:
         _check_fps(fps)
+        _check_extent(path, clip, fps)
         clip = clip.resample(fps)
     track = found.track if phones is None else read_track(phones)
     known = rig if rig is None or isinstance(rig, Rig) else load_rig(rig)
@@ -400,6 +402,21 @@ def read_performance(
             f"{', '.join(known.names[:3])}; it has {', '.join(clip.names[:3])}"
         )
     return Performance(clip, track, audio, known)
+
+
+MAX_CLIP = 12 * 3600.0  # s; formats with a rate of their own need memory by time, not by frames
+MAX_VALUES = 2**28  # of a clip, a gigabyte
+
+
+def _check_extent(path: PathLike, clip: Clip, fps: float) -> None:
+    """Refuse curves that would take more memory than there is."""
+    if clip.fps < MIN_FPS:
+        raise LipwrightError(f"{path}: has {clip.fps:g} frames a second; at least {MIN_FPS:g}")
+    if clip.duration > MAX_CLIP or clip.duration * fps * len(clip.names) > MAX_VALUES:
+        raise LipwrightError(
+            f"{path}: lasts {clip.duration:.0f} s, with {len(clip.names)} controls at {fps:g} "
+            "frames a second; convert it in parts"
+        )
 
 
 def for_rig(performance: Performance, rig: Rig | None) -> Performance:

@@ -23,6 +23,7 @@ from lipwright.export.gltf_file import GltfFile, is_number, read_gltf
 from lipwright.export.gltf_names import Character
 from lipwright.export.gltf_rest import Rests
 from lipwright.export.gltf_store import Json
+from lipwright.export.jsonclip import check_names
 from lipwright.export.performance import PathLike
 from lipwright.keys import hermite
 from lipwright.rig.values import CHANNELS
@@ -114,6 +115,7 @@ def read_clip_gltf(path: PathLike) -> Clip:
     curves = _curves(character, channels, times, mark.get("head"))
     if not curves:
         file.fail("its animations move no morph target or bone that has a name")
+    check_names(path, curves)
     if len(curves) * len(times) > MAX_VALUES:
         file.fail(f"its animation has {len(curves)} curves of {duration:.0f} s")
     values = np.stack(list(curves.values()), axis=1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import MAX_FPS, Clip
+from lipwright.controls import is_text
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import (
     ExportOptions,
@@ -27,13 +28,13 @@ from lipwright.export.performance import (
     text_output,
 )
 from lipwright.formats.jsontrack import dump, is_number, json_to_track, parse_json, track_to_json
-from lipwright.keys import KeyedCurve, keyed
+from lipwright.keys import KeyedCurve, bound_of, keyed
 
 FORMAT: Final = "lipwright-clip"
 VERSION: Final = 1
 KEYED: Final = 2  # the version of files with keys
 MAX_FRAMES: Final = 100_000_000  # 19 days at 60 fps
-MAX_VALUES: Final = 1_000_000_000  # 4 GB; a file of keys can ask for far more than it holds
+MAX_VALUES: Final = 2**26  # five hours of a face; a file of keys can ask for far more than it holds
 DECIMALS: Final = 5  # of a weight; a hundred-thousandth of a movement is not seen
 
 
@@ -58,16 +59,20 @@ def _keyed_lines(performance: Performance, bound: float) -> Iterator[str]:
     curves = keyed(clip, bound).curves
     fields = {"version": KEYED, "fps": clip.fps, "frames": len(clip)}
     yield from _head_lines(performance, fields)
-    # What is rounded away is a hundredth of the bound at the most; slopes count for less.
-    decimals = max(math.ceil(1.7 - math.log10(bound)), 2)
     yield '  "keys": {'
     for index, (name, curve) in enumerate(curves.items()):
-        keys = json.dumps(_keys(curve, clip.fps, decimals), separators=(",", ":"))
+        keys = json.dumps(_keys(curve, clip.fps, bound_of(name, bound)), separators=(",", ":"))
         yield f"{',' if index else ''}\n    {dump(name)}: {keys}"
     yield "\n  }\n}\n"
 
 
-def _keys(curve: KeyedCurve, fps: float, decimals: int) -> dict[str, list[Any]]:
+def _keys(curve: KeyedCurve, fps: float, bound: float) -> dict[str, list[Any]]:
+    # Values lose a hundredth of the bound at the most, and slopes two: an error of both slopes
+    # moves the middle of a span by a quarter of the span's length times it.
+    longest = float(np.diff(curve.times).max(initial=0.01))  # s
+    decimals = max(math.ceil(math.log10(0.5 / (0.01 * bound))), 2)
+    slope_decimals = max(math.ceil(math.log10(0.5 * longest / 4 / (0.02 * bound))), 1)
+
     def rounded(values: npt.NDArray[np.float64], digits: int) -> list[float]:
         return (values.round(digits) + 0.0).tolist()
 
@@ -77,10 +82,10 @@ def _keys(curve: KeyedCurve, fps: float, decimals: int) -> dict[str, list[Any]]:
     }
     if (curve.arriving[1:-1] == curve.leaving[1:-1]).all():
         ends = np.concatenate([curve.leaving[:1], curve.arriving[1:]])
-        return {**keys, "slopes": rounded(ends, decimals - 1)}
+        return {**keys, "slopes": rounded(ends, slope_decimals)}
     arriving, leaving = curve.arriving, curve.leaving
-    return {**keys, "arriving": rounded(arriving, decimals - 1),
-            "leaving": rounded(leaving, decimals - 1)}  # fmt: skip
+    return {**keys, "arriving": rounded(arriving, slope_decimals),
+            "leaving": rounded(leaving, slope_decimals)}  # fmt: skip
 
 
 def _lines(performance: Performance) -> Iterator[str]:
@@ -140,6 +145,7 @@ def _keys_to_clip(path: PathLike, content: dict[str, Any]) -> Clip:
         raise LipwrightError(f"{path}: 'keys' holds no curves by control; correct it")
     if count * len(curves) > MAX_VALUES:
         raise LipwrightError(f"{path}: {count:,} frames of {len(curves)} controls are too many")
+    check_names(path, curves)
     times = np.arange(count) / fps
     columns = [_to_curve(path, name, keys, fps, count).at(times) for name, keys in curves.items()]
     values = np.stack(columns, axis=1)
@@ -200,11 +206,11 @@ def _check_row(path: PathLike, frame: int, row: object, names: list[str]) -> Non
             )
 
 
-def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[float]]) -> Clip:
-    """The clip of checked fields.
+def check_names(path: PathLike, names: Iterable[str]) -> None:
+    """Refuse names of curves that a clip or a file cannot have.
 
     Raises:
-        LipwrightError: a name is empty or repeats, or a value is too large.
+        LipwrightError: a name is empty, repeats, or has a control character or a line's end.
     """
     seen: set[str] = set()
     for number, name in enumerate(names, 1):
@@ -212,7 +218,21 @@ def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[floa
             raise LipwrightError(f"{path}: control {number} has no name; name it or delete it")
         if name in seen:
             raise LipwrightError(f"{path}: the control {name[:40]!r} stands twice; delete one")
+        if not is_text(name):
+            raise LipwrightError(
+                f"{path}: control {number}, {name[:40]!a}, has a control character or a line's end "
+                "in its name; rename it"
+            )
         seen.add(name)
+
+
+def make_clip(path: PathLike, names: list[str], fps: float, rows: list[list[float]]) -> Clip:
+    """The clip of checked fields.
+
+    Raises:
+        LipwrightError: a name is none, or a value is too large.
+    """
+    check_names(path, names)
     values = np.array(rows, np.float64).reshape(len(rows), len(names))
     limit = float(np.finfo(np.float32).max)
     if (np.abs(values) > limit).any():

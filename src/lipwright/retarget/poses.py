@@ -20,6 +20,7 @@ from lipwright.face.shapes import MEAN, SHUT, ReferenceShape, load_reference_sha
 from lipwright.retarget.linear import apply_linear
 from lipwright.rig import LinearMapping, PoseMapping, Rig, RigPose, canonical_rig
 from lipwright.rig.mapping import MODES, SIGMA
+from lipwright.rig.values import as_weights
 
 Floats = npt.NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def apply_poses(clip: Clip, rig: Rig, mapping: PoseMapping) -> Clip:
         values += np.clip(share, 0.0, 1.0)[:, None] * np.where(
             shut, _controls(rig, mapping.shut, mean) - values, 0.0
         )
-    moved = Clip(rig.names, clip.fps, values.astype(np.float32))
+    moved = Clip(rig.names, clip.fps, as_weights(values))
     if mapping.rows:
         besides = apply_linear(clip, rig, LinearMapping(mapping.rows))
         moved = moved.with_curves({name: besides.curve(name) for name in mapping.rows})

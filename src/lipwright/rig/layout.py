@@ -7,9 +7,9 @@ it: a slip of the pen must not be passed over.
 from __future__ import annotations
 
 import json
-import unicodedata
 from typing import Any, Final
 
+from lipwright.controls import is_text
 from lipwright.errors import LipwrightError
 from lipwright.rig.mapping import LARGEST
 
@@ -42,9 +42,6 @@ LAYOUT: Final[dict[str, Any]] = {
     },
 }
 """field to its kind: a type, a list with the kind of its items, or an object of fields"""
-NO_TEXT: Final = frozenset({"Cc", "Cs", "Zl", "Zp"})
-"""Unicode's categories of what no name has: control characters, which a terminal would obey, half
-letters of UTF-16, and ends of lines"""
 _OPTIONAL: Final = frozenset({"mapping", "clamp"})  # null is the same as none
 _WORDS: Final = {
     str: "text", int: "a whole number", float: f"a number up to {LARGEST:.0f}",
@@ -115,7 +112,7 @@ def _is_of(value: Any, kind: type) -> bool:
 
 
 def _check_text(text: str, place: str) -> None:
-    if any(unicodedata.category(letter) in NO_TEXT for letter in text):
+    if not is_text(text):
         raise LipwrightError(
             f"is no rig: {place} has {text[:SHOWN]!a}, with a control character or a line's "
             "end; correct it"

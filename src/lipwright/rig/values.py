@@ -22,6 +22,12 @@ same axes, applied in the order x, y, z"""
 MAX_LOOK: Final = 100.0  # a weight; what is far beyond moves a face out of the picture
 
 
+def as_weights(values: npt.NDArray[np.floating]) -> npt.NDArray[np.float32]:
+    """Values as float32; what is beyond its range ends with it."""
+    limit = np.finfo(np.float32).max
+    return np.clip(values, -limit, limit).astype(np.float32)
+
+
 @dataclass(frozen=True)
 class Control:
     """One thing that a character lets us move.
@@ -198,7 +204,8 @@ class Rig:
 
     def to_canonical(self, clip: Clip) -> Clip:
         """The clip as a human face shows it; controls without looks are not seen."""
-        return Clip(CANONICAL, clip.fps, clip.values @ self.look_of(clip.names))
+        values = clip.values.astype(np.float64) @ self.look_of(clip.names)
+        return Clip(CANONICAL, clip.fps, as_weights(values))
 
     def check_controls(self, names: Iterable[str], who: str) -> None:
         """Refuse names that the rig lacks.
