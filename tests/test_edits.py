@@ -15,7 +15,10 @@ from lipwright.clip import Clip
 from lipwright.edits import Edits, export_with_edits, keeping, load_edits, save_edits
 from lipwright.edits.values import added, difference
 from lipwright.errors import LipwrightError
-from lipwright.export import Performance, export_clip, read_clip
+from lipwright.export import Performance, export_all, export_clip, read_clip
+from lipwright.face.head import Head
+from lipwright.retarget import retarget
+from lipwright.rig import load_rig
 from lipwright.track import PhoneTrack
 
 TRACK = PhoneTrack(("sil", "M", "AA", "sil"), np.array([0, 0.2, 0.5, 0.8, 1.0]))
@@ -119,6 +122,42 @@ class TestRunAgain:
         assert again.select(NAMES).values == pytest.approx(waves().values, abs=2e-5)
 
 
+class TestFormats:
+    """Edits in other formats than our tables."""
+
+    @pytest.mark.parametrize("suffix", [".glb", ".livelink.csv"])
+    def test_an_edit_of_a_head_or_a_recording_stays(
+        self, suffix: str, tmp_path: Path, head: Head
+    ) -> None:
+        del head
+        output, kept = tmp_path / f"talk{suffix}", tmp_path / "edits.json"
+        export_with_edits([output], Performance(waves(), TRACK), kept)
+        edit(output, slice(20, 30), "jawOpen", -0.05)
+        said = export_with_edits([output], Performance(waves(phase=1.0), TRACK), kept)
+        assert said.controls == ("jawOpen",)
+        wanted = waves(phase=1.0).curve("jawOpen").copy()
+        wanted[20:30] -= 0.05
+        assert read_clip(output).curve("jawOpen") == pytest.approx(wanted, abs=2e-5)
+
+    def test_a_format_may_be_named_where_the_suffix_does_not_say_it(self, tmp_path: Path) -> None:
+        output, kept = tmp_path / "talk.txt", tmp_path / "edits.json"
+        export_with_edits([output], Performance(waves(), TRACK), kept, format=".csv")
+        assert output.read_text().startswith("time,jawOpen,")
+        assert export_with_edits([output], Performance(waves(), TRACK), kept, format=".csv")
+
+    def test_an_edit_in_the_controls_of_a_rig_stays(self, tmp_path: Path) -> None:
+        rig, output, kept = load_rig("vrm1"), tmp_path / "talk.vrma", tmp_path / "edits.json"
+        first, later = (
+            Performance(retarget(waves(phase=phase), rig), TRACK, rig=rig) for phase in (0.0, 1.0)
+        )
+        export_with_edits([output], first, kept)
+        clip = read_clip(output).select(rig.names)
+        changed = clip.with_curves({"happy": np.full(len(clip), 0.5)})
+        export_all([output], Performance(changed, rig=rig))
+        assert export_with_edits([output], later, kept).controls == ("happy",)
+        assert read_clip(output).curve("happy") == pytest.approx(np.full(61, 0.5), abs=1e-5)
+
+
 class TestStops:
     """A kill is an exception that nothing catches, at each of the writes in turn."""
 
@@ -200,9 +239,13 @@ class TestFile:
             export_with_edits([output], Performance(waves(), TRACK), path)
         assert output.read_text() == "time,jawOpen\n0,half\n"
 
-    def test_outputs_that_cannot_be_read_back_are_refused(self, tmp_path: Path) -> None:
-        with pytest.raises(LipwrightError, match=r"--edits needs an output .*\.json"):
-            export_with_edits([tmp_path / "a.mp4"], Performance(waves()), tmp_path / "e.json")
+    @pytest.mark.parametrize("suffix", [".mp4", ".vrma"])
+    def test_outputs_that_cannot_be_read_back_in_the_same_controls_are_refused(
+        self, suffix: str, tmp_path: Path
+    ) -> None:
+        with pytest.raises(LipwrightError, match=r"--edits needs an output .*: \.json, \.csv"):
+            export_with_edits([tmp_path / f"a{suffix}"], Performance(waves()), tmp_path / "e.json")
+        assert list(tmp_path.iterdir()) == []
 
 
 CURVES = arrays(np.float32, (6, 2), elements=st.floats(-1, 1, width=32))

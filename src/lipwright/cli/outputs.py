@@ -91,7 +91,8 @@ class Wanted:
         if self.onto is not None and not any(name.endswith(".glb") for name in names):
             raise LipwrightError(f"--onto {self.onto}: only a GLB has a character; add -o NAME.glb")
         if self.edits is not None:
-            edited_output([target for target in targets if target != STDIN])
+            files = [target for target in targets if target != STDIN]
+            edited_output(files, self.load(), self.onto, suffix)
 
 
 def character_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -215,7 +216,7 @@ def export_targets(
     if STDIN in targets:
         pipe(suffix, lambda path: export_all([path], performance, format=suffix, options=options))
     if files and wanted.edits is not None:
-        kept = export_with_edits(files, performance, wanted.edits, options)
+        kept = export_with_edits(files, performance, wanted.edits, options, format=suffix)
         if kept.unrecorded:
             say(f"{kept.path}: no record of what was written there; its differences were taken")
         if kept.controls:

@@ -17,9 +17,10 @@ from lipwright.clip import Clip
 from lipwright.edits.file import load_edits, save_edits
 from lipwright.edits.values import Edits
 from lipwright.errors import LipwrightError
-from lipwright.export import EXPORTERS, export_all, read_clip
+from lipwright.export import CANONICAL_RIG, EXPORTERS, Exporter, export_all, read_clip
 from lipwright.export.performance import ExportOptions, PathLike, Performance
 from lipwright.formats.suffixes import by_suffix
+from lipwright.rig import Rig
 
 
 @dataclass(frozen=True)
@@ -36,17 +37,38 @@ class Kept:
     """nothing told what had been written; its differences from this result were taken"""
 
 
-def edited_output(paths: Iterable[PathLike]) -> Path:
-    """The first of the outputs that can be read back.
+def edited_output(
+    paths: Iterable[PathLike], rig: Rig | None = None, onto: PathLike | None = None,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
+) -> Path:  # fmt: skip
+    """The first of the outputs that can be read back in the controls of the curves.
+
+    Args:
+        paths: the outputs.
+        rig: whose controls the curves are; None for canonical ones.
+        onto: the character that a GLB animates, whose names are its own.
+        format: a suffix for all of them, where theirs do not say it.
 
     Raises:
         LipwrightError: there is none.
     """
     for path in map(Path, paths):
-        if by_suffix(EXPORTERS, path, None, "export").reads:
+        if _keeps_controls(by_suffix(EXPORTERS, path, format, "export"), rig, onto):
             return path
-    known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.reads)
-    raise LipwrightError(f"--edits needs an output that can be read back: {known}")
+    known = ", ".join(
+        suffix for suffix, entry in EXPORTERS.items() if _keeps_controls(entry, rig, onto)
+    )
+    raise LipwrightError(
+        f"--edits needs an output that can be read back in the same controls: {known}"
+    )
+
+
+def _keeps_controls(exporter: Exporter, rig: Rig | None, onto: PathLike | None) -> bool:
+    """Whether what is read back of an export has the controls that the curves had."""
+    own = CANONICAL_RIG if rig is None else rig.name
+    if exporter.shows:
+        return exporter.reads and onto is None and (own == CANONICAL_RIG or bool(rig and rig.bones))
+    return exporter.reads and exporter.rig in ("", own)
 
 
 def export_with_edits(
@@ -54,6 +76,8 @@ def export_with_edits(
     performance: Performance,
     edits: PathLike,
     options: ExportOptions | None = None,
+    *,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
 ) -> Kept:
     """Export, with the edits that the first readable output and the edits' file hold.
 
@@ -62,36 +86,41 @@ def export_with_edits(
         performance: the new automatic result.
         edits: the file that keeps the differences; it is made where it is missing.
         options: choices of single formats.
+        format: a suffix for all files, where theirs do not say it.
 
     Raises:
         LipwrightError: a file cannot be read or written; then no output was changed.
     """
     targets = [Path(path) for path in paths]
-    output, place = edited_output(targets), Path(edits)
+    onto = None if options is None else options.onto
+    output, place = edited_output(targets, performance.rig, onto, format), Path(edits)
     state = load_edits(place) if place.exists() else Edits(track=performance.track)
     unrecorded = False
     if output.exists():
         unrecorded = not state.written
         if unrecorded:
-            state = replace(state, written=(_read_back(output, performance, options),))
-        state = state.gathered(read_clip(output))
+            state = replace(state, written=(_read_back(output, performance, options, format),))
+        state = state.gathered(read_clip(output, format))
         save_edits(state, place)
     moved = state.moved_to(performance.track)
     changed = replace(performance, clip=moved.applied(performance.clip))
-    coming = _read_back(output, changed, options)
+    coming = _read_back(output, changed, options, format)
     # Until the output is in place it may be either; the phones tell that the edits have moved.
     save_edits(replace(moved, written=(*state.written, coming)), place)
-    export_all(targets, changed, options=options)
+    export_all(targets, changed, format=format, options=options)
     save_edits(replace(moved, written=(coming,)), place)
     return Kept(output, *_extent(moved.changes), unrecorded)
 
 
-def _read_back(output: Path, performance: Performance, options: ExportOptions | None) -> Clip:
+def _read_back(
+    output: Path, performance: Performance, options: ExportOptions | None,
+    format: str | None,  # noqa: A002  # as the command line calls it
+) -> Clip:  # fmt: skip
     """The curves that reading the output gives: its format rounds, and may leave controls out."""
     with tempfile.TemporaryDirectory(prefix="lipwright-") as folder:
         path = Path(folder) / output.name
-        export_all([path], performance, options=options)
-        return read_clip(path)
+        export_all([path], performance, format=format, options=options)
+        return read_clip(path, format)
 
 
 def _extent(changes: Clip | None) -> tuple[tuple[str, ...], float]:
