@@ -62,6 +62,12 @@ class TestApply:
         clip = moving(jawOpen=[0.5, 0.5, 0.5], mouthClose=[0.0, 0.5, 1.0])
         np.testing.assert_allclose(retarget(clip, rig).curve("lid"), [0.5, 0.25, 0.0], atol=1e-6)
 
+    def test_a_control_with_only_a_corrective_is_moved_from_its_rest(self) -> None:
+        mapping = LinearMapping({}, (Corrective("lid", ("jawOpen", "mouthClose"), -0.4),))
+        rig = Rig(name="box", controls=(Control("lid", 0, 1, 0.5),), mirror={}, mapping=mapping)
+        clip = moving(jawOpen=[0.0, 1.0, 1.0], mouthClose=[0.0, 0.5, 1.0])
+        np.testing.assert_allclose(retarget(clip, rig).curve("lid"), [0.5, 0.3, 0.1], atol=1e-6)
+
     def test_controls_in_range_are_linear_in_the_clip(self) -> None:
         rig, mapping = box(Control("a", -9, 9), a=Row({"jawOpen": 1.5, "mouthPucker": -0.5}))
         rng = np.random.default_rng(1)
@@ -258,6 +264,10 @@ class TestFit:
             seen = rig.to_canonical(apply_linear(poses, rig, mapping))
             off.append(float(((head.aperture_curve(seen.values) - wanted) ** 2).mean()))
         assert off[1] < off[0]
+
+    def test_poses_in_which_nothing_moves_are_fitted_without_correctives(self, head: Head) -> None:
+        still = FitOptions(controls=("aa",), poses=np.zeros((3, len(CANONICAL))), correctives=2)
+        assert fit_looks(load_rig("vrm1"), head, still).mapping.correctives == ()
 
     def test_only_the_controls_that_may_move_do(self, head: Head) -> None:
         fitted = fit_looks(

@@ -114,7 +114,7 @@ def keyed(clip: Clip, error: float | None = None, names: Iterable[str] | None = 
     chosen = clip.names if names is None else tuple(names)
     values = clip.select(chosen).values.astype(np.float64)
     low, high = values.min(axis=0), values.max(axis=0)
-    bounds = np.array([0.0 if error is None else _bound(name, error) for name in chosen])
+    bounds = np.array([0.0 if error is None else bound_of(name, error) for name in chosen])
     moving = np.flatnonzero(high - low > 2 * SHARE * bounds)
     if error is None:
         kept: list[Frames] = [np.arange(len(clip), dtype=np.intp)] * len(moving)
@@ -142,7 +142,8 @@ _PLACES: Final = (".tx", ".ty", ".tz")  # channels of bones in m; see `rig.value
 _CM: Final = 0.01  # m
 
 
-def _bound(name: str, error: float) -> float:
+def bound_of(name: str, error: float) -> float:
+    """How far the keys of a control may be off, in its own unit; `error` is that of `keyed`."""
     return error * _CM if name.endswith(_PLACES) else error
 
 

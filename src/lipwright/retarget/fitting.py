@@ -228,6 +228,8 @@ def _with_products(
     """The problem and its gains with the pairs of sources whose products help most."""
     common = np.flatnonzero(np.percentile(problem.poses[:speech], 95, axis=0) > SEEN)
     pairs = list(combinations_with_replacement(common.tolist(), 2))
+    if not options.correctives or not pairs:
+        return problem, gains, []
     products = np.stack([problem.poses[:, a] * problem.poses[:, b] for a, b in pairs], axis=1)
     chosen: list[tuple[int, int]] = []
     free = np.ones(len(gains), bool)
