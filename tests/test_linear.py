@@ -18,8 +18,9 @@ from lipwright.face.mesh import Mesh
 from lipwright.retarget import apply_linear, retarget
 from lipwright.retarget.fit_poses import every_pair, speech_poses
 from lipwright.retarget.fit_solve import Problem, best_product, solve, solve_few
-from lipwright.retarget.fitting import SPEECH, FitOptions, fit_looks, fit_meshes
-from lipwright.rig import Control, Corrective, LinearMapping, Rig, Row, load_rig
+from lipwright.retarget.fitting import OF_MESHES, SPEECH, FitOptions, fit_looks, fit_meshes
+from lipwright.retarget.refitting import follows_speech, refitted
+from lipwright.rig import Control, Corrective, LinearMapping, Rig, Row, canonical_rig, load_rig
 
 Floats = npt.NDArray[np.float64]
 
@@ -338,3 +339,30 @@ class TestTrouble:
     def test_a_control_that_the_rig_lacks_is_refused(self, head: Head) -> None:
         with pytest.raises(LipwrightError, match="'tail', which the rig 'vrm1' lacks"):
             fit_looks(load_rig("vrm1"), head, FitOptions(controls=("tail",)))
+
+
+class TestRefit:
+    """What a fit leaves of a rig that follows something already."""
+
+    def test_a_mesh_with_canonical_blendshapes_gets_itself_back(self, head: Head) -> None:
+        rig = canonical_rig()
+        fitted = fit_meshes(head, head, rig, replace(OF_MESHES, controls=SPEECH))
+        assert {name: dict(row.gains) for name, row in fitted.mapping.rows.items()} == {
+            name: {name: 1.0} for name in SPEECH
+        }
+
+    def test_eyes_keep_their_rows_and_moods_go_on_resting(self, head: Head) -> None:
+        rig = load_rig("vrm1")
+        chosen = follows_speech(rig)
+        assert set(chosen) == {"aa", "ih", "ou", "ee", "oh"}
+        again = refitted(rig, fit_looks(rig, head, FitOptions(controls=chosen)))
+        assert isinstance(rig.mapping, LinearMapping)
+        assert isinstance(again.mapping, LinearMapping)
+        assert set(again.mapping.rows) == set(rig.mapping.rows)
+        for name in ("blinkLeft", "lookUp"):
+            assert again.mapping.rows[name] == rig.mapping.rows[name]
+        assert again.mapping.correctives == rig.mapping.correctives
+
+    def test_a_rig_that_follows_nothing_is_fitted_as_a_whole(self) -> None:
+        rig = replace(load_rig("vrm1"), mapping=None)
+        assert follows_speech(rig) == rig.names

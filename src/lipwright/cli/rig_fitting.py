@@ -38,13 +38,20 @@ Examples:
               help="Shape modes that --poses shows, two poses each.")  # fmt: skip
 @click.option("--mesh", type=Path, metavar="GLB",
               help="A character on the head's mesh with the controls as blendshapes.")  # fmt: skip
-def fit(rig: str, output: Path, poses: Path | None, modes: int, mesh: Path | None) -> None:
+@click.option("--controls", metavar="NAME,...", help="Controls to fit.  [default: those that "
+              "follow jaw, lips and tongue; all, where the rig follows nothing yet]")  # fmt: skip
+def fit(
+    rig: str, output: Path, poses: Path | None, modes: int, mesh: Path | None,
+    controls: str | None,
+) -> None:  # fmt: skip
     """Say how RIG, a name or a file, follows speech, and write it as a rig of its own.
 
     With --poses by the poses that an artist set for: lipwright rigs poses. Without, by a linear
-    mapping: least squares on what the rig's looks, or the blendshapes of --mesh, show.
+    mapping: least squares on what the rig's looks, or the blendshapes of --mesh, show. Controls
+    that are not fitted keep what they follow.
     """
     from lipwright.export import check_targets
+    from lipwright.retarget.refitting import refitted
     from lipwright.rig import load_rig, save_rig
 
     if output.suffix.lower() != ".json":
@@ -58,8 +65,8 @@ def fit(rig: str, output: Path, poses: Path | None, modes: int, mesh: Path | Non
         save_rig(replace(known, mapping=mapping), output)
         say(f"{output}: {_posed(known, mapping)}")
         return
-    fitted = _fit_linear(known, mesh)
-    save_rig(replace(known, mapping=fitted.mapping), output)
+    fitted = _fit_linear(known, mesh, controls)
+    save_rig(refitted(known, fitted), output)
     for line in _fitted(known, fitted):
         say(f"{output}: {line}")
 
@@ -90,15 +97,24 @@ def _posed(rig: Rig, mapping: PoseMapping) -> str:
     )
 
 
-def _fit_linear(rig: Rig, mesh: Path | None) -> Fitted:
+def _fit_linear(rig: Rig, mesh: Path | None, controls: str | None) -> Fitted:
     from lipwright.face.head import load_head
-    from lipwright.retarget.fitting import fit_looks, fit_meshes
+    from lipwright.retarget.fitting import (
+        OF_MESHES,
+        FitOptions,
+        fit_looks,
+        fit_meshes,
+    )
+    from lipwright.retarget.refitting import follows_speech
 
+    named = None if controls is None else tuple(name.strip() for name in controls.split(","))
+    chosen = follows_speech(rig) if named is None else named
     if mesh is None:
-        return fit_looks(rig, load_head())
+        return fit_looks(rig, load_head(), FitOptions(controls=chosen))
     from lipwright.export.gltf_character import read_character
 
-    return fit_meshes(load_head(), read_character(mesh), rig)
+    options = replace(OF_MESHES, controls=chosen)
+    return fit_meshes(load_head(), read_character(mesh), rig, options)
 
 
 def _fitted(rig: Rig, fitted: Fitted) -> list[str]:

@@ -69,11 +69,18 @@ class FitOptions:
             raise ValueError("poses are not finite")
 
 
+OF_MESHES: Final = FitOptions(ridge=1e-4, thrift=0.0)
+"""where blendshapes of meshes are fitted: what they show is known exactly, and a mesh that has
+canonical blendshapes gets itself back"""
+
+
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """A mapping, and how well the rig follows with it."""
 
     mapping: LinearMapping
+    controls: tuple[str, ...]
+    """of the rig, that were fitted; some may have come out at rest"""
     left: Mapping[str, float]
     """canonical control to the share of its motion that the rig does not show: 0 all is shown, 1
     nothing"""
@@ -104,13 +111,13 @@ def fit_meshes(source: Mesh, target: Mesh, rig: Rig, options: FitOptions | None 
         source: a mesh with canonical blendshapes, as the head; lips are looked at on a `Head`.
         target: the character: vertex i is where vertex i of the source is.
         rig: the controls, named as the blendshapes of `target`.
-        options: how.
+        options: how; by default `OF_MESHES`.
 
     Raises:
         LipwrightError: the meshes do not correspond, a vertex is no number, or the meshes share no
             blendshapes with the rig or with canonical controls.
     """
-    options = options or FitOptions()
+    options = options or OF_MESHES
     _check_meshes(source, target)
     names = _controls(rig, [name for name in rig.names if name in target.shape_names], options)
     if not set(source.shape_names) & set(CANONICAL):
@@ -201,7 +208,7 @@ def _fit(
     problem, gains, products = _with_products(problem, gains, len(poses), options)
     gains = np.round(gains, options.decimals)
     mapping = _mapping(rig, names, sources.names, products, gains)
-    return _result(problem, gains, mapping, sources, len(poses))
+    return _result(problem, gains, names, mapping, sources, len(poses))
 
 
 def _alike(problem: Problem, alone: Floats) -> Floats:
@@ -281,8 +288,9 @@ def _joined(gains: Mapping[str, float]) -> dict[str, float]:
 
 
 def _result(
-    problem: Problem, gains: Floats, mapping: LinearMapping, sources: Sources, speech: int
-) -> Fitted:
+    problem: Problem, gains: Floats, names: tuple[str, ...], mapping: LinearMapping,
+    sources: Sources, speech: int,
+) -> Fitted:  # fmt: skip
     off = problem.moved(gains) @ problem.shown.T - problem.wanted
     alone = slice(speech, speech + len(sources.names))
     lengths = np.linalg.norm(problem.wanted[alone], axis=1)
@@ -294,6 +302,7 @@ def _result(
     }
     return Fitted(
         mapping,
+        names,
         MappingProxyType(left),
         float(np.sqrt((off[:speech] ** 2).sum(axis=1).mean())),
         float(np.sqrt((problem.wanted[:speech] ** 2).sum(axis=1).mean())),
