@@ -26,6 +26,7 @@ from lipwright.retarget.shapes import (
     STEP,
     ShownShape,
     choose_shapes,
+    rest_shape,
     shape_curves,
     shown_shapes,
 )
@@ -193,6 +194,13 @@ class TestChoice:
         clip = played(["wide", "round", "teeth", "rest"], [0.3, 0.3, 0.3, 0.5])
         shown = choose_shapes(clip, DRAWN, names=("shut", "small", "wide"))
         assert {shape.name for shape in shown} <= {"shut", "small", "wide"}
+
+    def test_the_drawing_of_pauses_is_told_by_its_name_or_else_by_its_look(self) -> None:
+        assert rest_shape(load_rig("rhubarb")) == "X"
+        assert rest_shape(load_rig("rhubarb"), "DCAB") == "A"
+        looks = {"A": {"jawOpen": 0.8}, "M": {"mouthPress": 0.3}}
+        controls = tuple(Control(name) for name in looks)
+        assert rest_shape(Rig("vowels", controls, {}, looks=looks, discrete=True)) == "M"
 
     def test_a_single_drawing_shows_throughout(self) -> None:
         one = Rig("one", (Control("mouth"),), {}, looks={"mouth": {"jawOpen": 0.3}}, discrete=True)

@@ -42,7 +42,7 @@ def scene_node(options: ExportOptions) -> str:
     return options.node or own
 
 
-def bone_channels(performance: Performance) -> dict[str, tuple[Bone, str]]:
+def bone_controls(performance: Performance) -> dict[str, tuple[Bone, str]]:
     """Control to its bone and channel, of the bones that the rig knows."""
     bones = () if performance.rig is None else performance.rig.bones
     known = {f"{bone.name}.{channel}": (bone, channel) for bone in bones for channel in CHANNELS}
@@ -51,7 +51,7 @@ def bone_channels(performance: Performance) -> dict[str, tuple[Bone, str]]:
 
 def shape_names(performance: Performance) -> tuple[str, ...]:
     """The controls that are blendshapes: neither bones nor turns of the head."""
-    others = {*bone_channels(performance), *HEAD_ANGLES}
+    others = {*bone_controls(performance), *HEAD_ANGLES}
     return tuple(name for name in performance.clip.names if name not in others)
 
 
@@ -61,7 +61,7 @@ def check_moves(path: Path, performance: Performance) -> None:
     Raises:
         LipwrightError: it does not.
     """
-    if not shape_names(performance) and not bone_channels(performance):
+    if not shape_names(performance) and not bone_controls(performance):
         raise LipwrightError(
             f"{path}: the curves move no blendshape and no bone; export them as CSV, or retarget "
             "them to a rig that has some"
@@ -76,7 +76,7 @@ def rest_place(bone: Bone, bones: tuple[Bone, ...]) -> Floats:
 
 def moved_bones(performance: Performance) -> Iterator[BoneMotion]:
     """The bones that the curves move, in the rig's order."""
-    channels = bone_channels(performance)
+    channels = bone_controls(performance)
     bones = () if performance.rig is None else performance.rig.bones
     paths: dict[str, str] = {}
     for bone in bones:

@@ -49,14 +49,6 @@ def drawn_shapes(
     return target, lambda: choose_shapes(clip, target, performance.track)
 
 
-def rest_shape(rig: Rig) -> str:
-    """The drawing of a mouth that says nothing: the one that is called so, or looks like it."""
-    for usual in ("X", "rest", "A", "MBP"):
-        if usual in rig.names:
-            return usual
-    return min(rig.names, key=lambda name: sum(map(abs, rig.looks.get(name, {}).values())))
-
-
 def drawn_fps(performance: Performance) -> float:
     """Frames a second for drawings: the clip's where it is slow enough to be drawn, else 24."""
     fps = performance.clip.fps

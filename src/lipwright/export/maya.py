@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 
 from lipwright.errors import LipwrightError
-from lipwright.export.bonemotion import bone_channels, check_moves, rest_place, shape_names
+from lipwright.export.bonemotion import bone_controls, check_moves, rest_place, shape_names
 from lipwright.export.keytext import check_controls, is_smooth, key_rows, number
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.keys import Floats, KeyedCurve, keyed
@@ -77,7 +77,7 @@ def check_names(path: Path, performance: Performance) -> None:
     """
     check_controls(path, performance.clip, "Maya")
     check_moves(path, performance)
-    bones = {bone.name: bone.name for bone, _ in bone_channels(performance).values()}
+    bones = {bone.name: bone.name for bone, _ in bone_controls(performance).values()}
     seen: dict[str, str] = {}
     for name in (*shape_names(performance), *bones):
         attribute = name.translate(_JOINED)
@@ -101,7 +101,7 @@ def maya_curves(performance: Performance, error: float | None) -> Iterator[MayaC
     for name, curve in keyed(clip, error, shape_names(performance)).curves.items():
         yield MayaCurve("", name.translate(_JOINED), "unitless", curve)
     bones = () if performance.rig is None else performance.rig.bones
-    for name, (bone, channel) in bone_channels(performance).items():
+    for name, (bone, channel) in bone_controls(performance).items():
         node = bone.name.translate(_JOINED)
         axis = channel[1].upper()
         curve = keyed(clip, error, [name]).curves[name]

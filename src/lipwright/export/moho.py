@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from lipwright.export.drawn import drawn_fps, drawn_shapes, rest_shape, shape_frames
+from lipwright.export.drawn import drawn_fps, drawn_shapes, shape_frames
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
-from lipwright.retarget.shapes import ShownShape
+from lipwright.retarget.shapes import ShownShape, rest_shape
 
 RIG: Final = "preston-blair"
 FIRST_FRAME: Final = 1

@@ -22,12 +22,11 @@ from typing import Final
 from lipwright.export.drawn import (
     drawn_fps,
     drawn_shapes,
-    rest_shape,
     shape_frames,
     sound_name,
 )
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
-from lipwright.retarget.shapes import ShownShape
+from lipwright.retarget.shapes import ShownShape, rest_shape
 from lipwright.track import PhoneTrack
 
 RIG: Final = "preston-blair"

@@ -12,9 +12,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
-from lipwright.export.drawn import drawn_shapes, rest_shape
+from lipwright.export.drawn import drawn_shapes
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
-from lipwright.retarget.shapes import ShownShape
+from lipwright.retarget.shapes import ShownShape, rest_shape
 from lipwright.rig import Rig
 
 RIG: Final = "rhubarb"

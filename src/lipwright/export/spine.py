@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from pathlib import Path, PurePath
 from typing import Any, Final
 
-from lipwright.export.drawn import drawn_shapes, rest_shape, sound_name
+from lipwright.export.drawn import drawn_shapes, sound_name
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
-from lipwright.retarget.shapes import ShownShape
+from lipwright.retarget.shapes import ShownShape, rest_shape
 from lipwright.rig import Rig
 
 RIG: Final = "rhubarb"

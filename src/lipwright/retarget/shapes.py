@@ -32,6 +32,7 @@ QUIET: Final = 0.3  # s; where nobody says what is spoken, lips that are shut fo
 UNFIT: Final = 1.0  # units²; the rest shape in speech, and pressed lips in a pause
 FORBIDDEN: Final = 1e5  # units²; beside it no other cost counts
 REACH: Final = 2.5  # a mouth that opens little is taken for this many times as open at the most
+RESTING: Final = ("X", "rest", "sil")  # names of the drawing of pauses, where a rig has one
 WIDEST: Final = 97.0  # percentile of the aperture that counts as a speaker's wide open mouth
 
 
@@ -86,7 +87,8 @@ def choose_shapes(
     names = rig.names if names is None else tuple(names)
     check_drawn(clip, rig, names)
     looks = seen_of(rig.look_of(names).astype(np.float64))  # (S, 5)
-    costs = _costs(clip, track, looks, *_rest_and_shut(names, looks))
+    rest = names.index(rest_shape(rig, names))
+    costs = _costs(clip, track, looks, rest, _shut_shapes(looks, rest))
     labels = cheapest_labels(costs, max(1, round(hold / STEP)), switch / STEP)
     return _runs([names[label] for label in labels], STEP, max(clip.duration, STEP))
 
@@ -173,15 +175,20 @@ def _reach(apertures: Floats, drawn: Floats) -> float:
     return float(np.clip(drawn.max() / wide, 1.0, REACH)) if wide > SHUT else 1.0
 
 
-def _rest_and_shut(names: tuple[str, ...], looks: Floats) -> tuple[int, list[int]]:
-    """The shape of pauses, and those that show a closure: the others that are shut, if any."""
-    usual = [names.index(name) for name in ("X", "rest", "sil") if name in names]
-    rest = usual[0] if usual else int((scaled(looks) ** 2).sum(axis=1).argmin())
+def rest_shape(rig: Rig, names: Iterable[str] | None = None) -> str:
+    """The drawing of pauses, of all or of `names`: one that is called so, or looks most like it."""
+    names = rig.names if names is None else tuple(names)
+    if usual := [name for name in RESTING if name in names]:
+        return usual[0]
+    looks = seen_of(rig.look_of(names).astype(np.float64))
+    return names[int((scaled(looks) ** 2).sum(axis=1).argmin())]
+
+
+def _shut_shapes(looks: Floats, rest: int) -> list[int]:
+    """The shapes that show a closure: those but `rest` that are shut, if any."""
     closed = are_shut(looks)
     shut = [int(label) for label in np.flatnonzero(closed) if label != rest]
-    if shut:
-        return rest, shut
-    return rest, [rest if closed[rest] else int(looks[:, 0].argmin())]
+    return shut or [rest if closed[rest] else int(looks[:, 0].argmin())]
 
 
 def _pauses_and_closures(
