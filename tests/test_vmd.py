@@ -21,7 +21,7 @@ from lipwright.export import ExportOptions, Performance, export_all
 from lipwright.export.vmd import FPS, SMALLEST, line_keys
 from lipwright.face.turning import head_rotations
 from lipwright.retarget import retarget
-from lipwright.rig import load_rig
+from lipwright.rig import Bone, Control, Rig, load_rig
 
 WEB = Path(__file__).parent / "web"
 NEEDS_NODE = pytest.mark.skipif(
@@ -153,6 +153,14 @@ class TestTrouble:
     def test_names_that_do_not_fit_are_refused(self, tmp_path: Path, name: str) -> None:
         with pytest.raises(LipwrightError, match=r"a\.vmd: the control .* does not fit into 15"):
             export_all(tmp_path / "a.vmd", Performance(Clip((name,), 30.0, np.ones((3, 1)))))
+        assert not list(tmp_path.iterdir())
+
+    def test_bones_are_no_morphs(self, tmp_path: Path) -> None:
+        names = ("jaw.rx", "jaw.tz")
+        rig = Rig("r", tuple(Control(name, -9, 9) for name in names), {}, bones=(Bone("jaw"),))
+        clip = Clip(names, 30.0, np.ones((3, 2)))
+        with pytest.raises(LipwrightError, match=r"a\.vmd: the curves move bones alone"):
+            export_all(tmp_path / "a.vmd", Performance(clip, rig=rig))
         assert not list(tmp_path.iterdir())
 
     def test_names_of_fifteen_bytes_fit(self, tmp_path: Path) -> None:

@@ -5,7 +5,8 @@ readers share (MMD wiki, "VMD file format"; documentation of babylon-mmd). 30 by
 Data 0002`, 20 of the model's name; a count and 111 bytes a bone key (name of 15 bytes, frame,
 position, rotation as a quaternion, 64 bytes of its curve); a count and 23 bytes a morph key (name
 of 15 bytes, frame, weight as a 4-byte float); then counts of keys of camera, light, shadow and
-switches, which are 0. Names are Shift-JIS. A turn of the head turns the bone of that name.
+switches, which are 0. Names are Shift-JIS. A turn of the head turns the bone of that name; bones of
+the rig are left out.
 
 Weights are joined by straight lines, so that a key is left out where its neighbours say the same,
 to within 0.0001 or what the options allow. Frames of clips at other rates fall between ours, which
@@ -24,6 +25,7 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 from lipwright.controls import HEAD_ANGLES
 from lipwright.errors import LipwrightError
+from lipwright.export.bonemotion import shape_names
 from lipwright.export.performance import ExportOptions, Output, Performance
 from lipwright.face.turning import head_quaternions, head_turns
 
@@ -51,10 +53,14 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """The one file.
 
     Raises:
-        LipwrightError: a control's name does not fit into 15 bytes of Shift-JIS.
+        LipwrightError: a control's name does not fit into 15 bytes of Shift-JIS, or all are bones.
     """
     clip = performance.clip
-    names = {name: _encoded(path, name) for name in clip.names if name not in HEAD_ANGLES}
+    names = {name: _encoded(path, name) for name in shape_names(performance)}
+    if not names and not set(clip.names) & set(HEAD_ANGLES):
+        raise LipwrightError(
+            f"{path}: the curves move bones alone, and it holds morphs; retarget to the rig mmd"
+        )
     error = SMALLEST if options.keys is None else options.keys
     return [Output(path, lambda part: _write(part, clip, names, error))]
 
