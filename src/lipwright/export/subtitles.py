@@ -25,7 +25,6 @@ from lipwright.export.performance import ExportOptions, Output, Performance, tex
 from lipwright.track import PhoneTrack
 
 LINE: Final = 42  # characters; those of Chinese count twice
-LINES: Final = 2
 LONGEST: Final = 7.0  # s
 SHORTEST: Final = 1.0  # s
 READ: Final = 17.0  # characters a second that people read at ease

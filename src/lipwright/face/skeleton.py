@@ -94,7 +94,8 @@ class Skeleton:
         Args:
             channels: (..., B, 6): translation in m and rotation in degrees along and about the
                 axes of the parent, rotated about x first, then y, then z.
-            turns: (..., 3, 3), how the head is turned besides, about the place of its bone's parent.
+            turns: (..., 3, 3), how the head is turned besides, about the place of its bone's
+                parent.
         """
         values = np.asarray(channels, np.float64)
         rotations = rotation_matrices(values[..., 3:])

@@ -53,7 +53,7 @@ class Row:
         _check_numbers("a row", {**self.gains, "offset": self.offset})
         for name in self.gains:
             if not is_source(name):
-                raise ValueError(f"{name!r} is no canonical control; see: lipwright rigs show arkit")
+                raise ValueError(f"{name!r} is no canonical control; see lipwright rigs show arkit")
         if self.clamp is not None:
             low, high = self.clamp
             if not -math.inf < low < high < math.inf:
