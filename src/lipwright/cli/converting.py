@@ -52,7 +52,7 @@ def convert(
 ) -> None:  # fmt: skip
     """Write the curves of CLIP, from any engine or program, for another rig or in another format.
 
-    CLIP is a file that can be read back: .json, .csv, .livelink.csv or .glb.
+    CLIP is a file that can be read back: .json, .csv, .livelink.csv, .glb or .vrma.
     """
     from dataclasses import replace
 

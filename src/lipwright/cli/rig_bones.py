@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lipwright.cli.progress import say
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ def _glb(skinned: SkinnedMesh, character: Path | None, mesh_name: str | None) ->
 
 
 def _print(skinned: SkinnedMesh, left: Sequence[Residual]) -> None:
-    say(
+    click.echo(
         f"{skinned.mesh.name}: {len(skinned.mesh.vertices)} vertices on "
         f"{len(skinned.skeleton)} bones"
     )

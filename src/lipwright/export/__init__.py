@@ -1,4 +1,4 @@
-"""Clips to files; one module a format, and the two of ours back from files."""
+"""Clips to files, one module a format, and some of them back."""
 
 from __future__ import annotations
 
@@ -288,7 +288,7 @@ def read_clip(
     path: PathLike,
     format: str | None = None,  # noqa: A002  # as the command line calls it
 ) -> Clip:
-    """The clip of a JSON or CSV file that was exported.
+    """The clip of a file in a format that can be read back.
 
     Raises:
         LipwrightError: the format is unknown or cannot be read back, or the file is wrong.
