@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,13 @@ import pytest
 
 from lipwright.cli import run
 from lipwright.errors import LipwrightError
+from lipwright.export import read_clip
+from lipwright.export.gltf_file import read_gltf
+from lipwright.export.gltf_names import Character
+from lipwright.expressions import load_expression
 from lipwright.face.shapes import load_reference_shape
 from lipwright.rig import load_rig
+from made_gltf import character, to_glb
 
 RIG: dict[str, Any] = {
     "format": "lipwright-rig", "version": 1, "name": "hero", "source": "", "license": "",
@@ -122,3 +128,71 @@ class TestCurves:
         path = clip_file(["jawOpen"], [[0.5]] * 9000, fps=0.1)
         line = refusal(["convert", path, "-o", "out.rhubarb.tsv"], capsys)
         assert "lasts 89990 s, with 1 controls at 0.1 frames a second; convert it in parts" in line
+
+
+def test_an_expression_out_of_a_pipe_is_refused_and_not_waited_for() -> None:
+    os.mkfifo("pipe.json")
+    with pytest.raises(LipwrightError, match=r"pipe\.json: is a device or pipe"):
+        load_expression("pipe.json")
+
+
+class TestNewRigs:
+    @pytest.mark.parametrize("given", [["--like", "vrm1"], ["--controls", "jaw"]])
+    @pytest.mark.parametrize("name", ["", "a\nb", "\ud83d"])
+    def test_a_name_that_is_none_is_refused(
+        self, name: str, given: list[str], capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        line = refusal(["rigs", "new", name, *given, "-o", "new.json"], capsys)
+        assert "name" in line
+        assert not Path("new.json").exists()
+
+    def test_a_control_s_name_with_a_line_s_end_is_refused(
+        self, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        line = refusal(["rigs", "new", "hero", "--controls", "a\nb,c", "-o", "new.json"], capsys)
+        assert r"'a\nb' is no name" in line
+
+
+def animated(*channels: dict[str, Any]) -> str:
+    """The file of a character whose channels share a sampler of one weight."""
+    document, data = character(["jawOpen"])
+    start, places = len(data), len(document["accessors"])
+    data += struct.pack("<4f", 0, 1, 0.25, 0.5)  # times, then weights
+    for shift in (0, 8):
+        view = {"buffer": 0, "byteOffset": start + shift, "byteLength": 8}
+        document["accessors"].append(
+            {"bufferView": len(document["bufferViews"]), "componentType": 5126, "count": 2,
+             "type": "SCALAR"}
+        )  # fmt: skip
+        document["bufferViews"].append(view)
+    document["buffers"][0]["byteLength"] = len(data)
+    document["animations"] = [
+        {"samplers": [{"input": places, "output": places + 1}],
+         "channels": [{"sampler": 0, "target": target} for target in channels]}
+    ]  # fmt: skip
+    Path("face.glb").write_bytes(to_glb(document, data))
+    return "face.glb"
+
+
+WEIGHTS = {"node": 0, "path": "weights"}
+
+
+class TestCharacters:
+    @pytest.mark.parametrize("path", [[], {}, ["weights"], 7])
+    def test_a_channel_of_no_path_is_passed_over(self, path: Any) -> None:
+        clip = read_clip(animated(WEIGHTS, {"node": 0, "path": path}))
+        assert clip.names == ("jawOpen",)
+        assert clip.curve("jawOpen")[[0, -1]].tolist() == [0.25, 0.5]
+
+    def test_a_sampler_of_two_paths_is_checked_for_both(self) -> None:
+        path = animated(WEIGHTS, {"node": 0, "path": "translation"})
+        with pytest.raises(LipwrightError, match=r"a sampler has 2 numbers for 2 keys of 3"):
+            read_clip(path)
+
+    @pytest.mark.parametrize("preset", [[], {}, 7, None])
+    def test_a_group_of_vrm_0_without_a_preset_keeps_its_name(self, preset: Any) -> None:
+        document, data = character(["jawOpen"])
+        group = {"name": "Ah", "presetName": preset, "binds": [{"mesh": 0, "index": 0}]}
+        document["extensions"] = {"VRM": {"blendShapeMaster": {"blendShapeGroups": [group]}}}
+        Path("face.vrm").write_bytes(to_glb(document, data))
+        assert "Ah" in Character(read_gltf("face.vrm")).names()

@@ -151,6 +151,7 @@ def new(
     """
     from dataclasses import replace
 
+    from lipwright.controls import is_text
     from lipwright.export import check_targets
     from lipwright.export.rig_guess import character_controls, guess_rig
     from lipwright.rig import load_rig, save_rig
@@ -166,6 +167,8 @@ def new(
     check_targets([output])
     known = load_rig(like) if like is not None else None
     if known is not None and controls is None and source is None:
+        if not name or not is_text(name):
+            raise LipwrightError(f"a rig cannot be called {name[:40]!a}; name it")
         save_rig(replace(known, name=name), output)
         say(f"{output}: {name}, {len(known.controls)} controls, as in {known.name}")
         return

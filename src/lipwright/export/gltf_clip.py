@@ -34,6 +34,7 @@ VRMA: Final = "VRMC_vrm_animation"
 USUAL_FPS: Final = 60.0  # of files that say none
 MAX_VALUES: Final = 2**28  # of a clip, a gigabyte
 ROUNDING: Final = 2.0**-23  # of a number as float32, twice the most
+PATHS: Final = ("weights", "translation", "rotation")
 INTERPOLATIONS: Final = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
@@ -94,18 +95,20 @@ def read_clip_gltf(path: PathLike) -> Clip:
     character = Character(file)
     animation = _choose(file)
     mark = file.table(MARK, file.table("extras", animation))
-    samplers: dict[int, _Sampler] = {}
+    samplers: dict[tuple[int, str, int], _Sampler] = {}
     channels: dict[tuple[int, str], _Sampler] = {}
     for channel in file.tables("channels", animation, "an animation: "):
         target = file.table("target", channel)
-        if "node" not in target or target.get("path") not in {"weights", "translation", "rotation"}:
+        if "node" not in target or target.get("path") not in PATHS:
             continue
         node = file.index(target, "node", len(character.nodes), "an animation")
         listed = file.tables("samplers", animation, "an animation: ")
         number = file.index(channel, "sampler", len(listed), "an animation")
-        if number not in samplers:
-            samplers[number] = _sampler(file, listed[number], character, node, target["path"])
-        channels[node, target["path"]] = samplers[number]
+        moved = str(target["path"])
+        use = (number, moved, character.target_count(node))  # several channels may share a sampler
+        if use not in samplers:
+            samplers[use] = _sampler(file, listed[number], character, node, moved)
+        channels[node, moved] = samplers[use]
     fps = _rate(file, mark)
     channels = {place: sampler.snapped(fps) for place, sampler in channels.items()}
     duration = max((sampler.times[-1] for sampler in channels.values()), default=0.0)
@@ -129,7 +132,7 @@ def _choose(file: GltfFile) -> Json:
         animation
         for animation in file.tables("animations")
         if any(
-            file.table("target", channel).get("path") in {"weights", "translation", "rotation"}
+            file.table("target", channel).get("path") in PATHS
             for channel in file.tables("channels", animation, "an animation: ")
         )
     ]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from lipwright.controls import CANONICAL
+from lipwright.controls import CANONICAL, is_text
 from lipwright.errors import LipwrightError
 from lipwright.export.gltf_file import read_gltf
 from lipwright.export.gltf_names import Character, loose_name
@@ -61,12 +61,18 @@ def guess_rig(name: str, controls: Iterable[str], like: Rig | None = None) -> Gu
         like: the only rig to look them up in; by default all that ship.
 
     Raises:
-        LipwrightError: a name is empty or stands twice.
+        LipwrightError: a name is empty, stands twice, or has a control character or a line's end.
     """
     names = tuple(controls)
     if len(set(names)) != len(names) or not all(names):
         twice = next((repr(n) for n in names if names.count(n) > 1), "an empty name")
         raise LipwrightError(f"the controls have {twice} twice; give each control its own name")
+    for each in (name, *names):
+        if not each or not is_text(each):
+            raise LipwrightError(
+                f"{each[:40]!a} is no name: it is empty, or has a control character or a line's "
+                "end; rename it"
+            )
     found = _look_up(names, [like] if like is not None else [load_rig(rig) for rig in RIGS])
     rig = Rig(
         name=name,

@@ -99,8 +99,8 @@ def _expressions_0(file: GltfFile, vrm: Json) -> Iterator[tuple[str, tuple[Bind,
             for bind in file.tables("binds", body, f"{where}: ")
             for node in shown.get(file.index(bind, "mesh", meshes, where), [])
         )
-        for known in dict.fromkeys((name, preset)):
-            if isinstance(known, str) and known and known != "unknown":
+        for known in dict.fromkeys((name, preset if isinstance(preset, str) else "")):
+            if known not in {"", "unknown"}:
                 yield known, found
 
 

@@ -47,6 +47,8 @@ def load_expression(name: str | os.PathLike[str]) -> Clip:
             f"no expression {str(name)[:60]!r}; the expressions are: {', '.join(EXPRESSIONS)}, or "
             "name a .json file of a pose, or a clip in .json or .csv"
         )
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise LipwrightError(f"{path}: is a device or pipe; name a file of a pose or clip")
     pose = _pose_of(path) if path.suffix.lower() == ".json" else None
     try:
         clip = read_clip(path) if pose is None else pose_clip(pose)
