@@ -34,7 +34,7 @@ def find_landmarks(surface: Surface, head: Mesh) -> Mapping[str, Floats]:
     """Name to point (3,), for the landmarks of `named_points` that lie on the surface.
 
     Raises:
-        LipwrightError: no face is seen.
+        LipwrightError: no face is seen, or too little of one.
         MissingExtraError: the tracker is not installed.
     """
     best: tuple[float, Floats, Floats, float] | None = None
@@ -61,7 +61,12 @@ def find_landmarks(surface: Surface, head: Mesh) -> Mapping[str, Floats]:
         hit = _cast(vertices, surface.triangles, places[point.tracker] / SIDE)
         if hit is not None:
             found[name] = hit / scale + middle
-    return _plausible(found, head)
+    try:
+        return _plausible(found, head)
+    except ValueError as error:  # too few landmarks, or all on a line
+        raise LipwrightError(
+            f"too little of a face is seen in the mesh ({error}); give --landmarks"
+        ) from error
 
 
 def _plausible(found: Mapping[str, Floats], head: Mesh) -> Mapping[str, Floats]:
