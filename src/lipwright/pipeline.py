@@ -280,8 +280,8 @@ def animate_track(
 ) -> Clip:
     """The motion of a phone track, in the canonical controls.
 
-    A model that predicts modes of a reference face gives those, as they are: passes and rigs
-    know nothing of them. A bigram set of a creature, whose rig has no looks on a human face, gives
+    A model that predicts modes of a reference face gives those, as they are: passes know nothing of
+    them. A bigram set of a creature, whose rig has no looks on a human face, gives
     the creature's poses.
 
     Raises:

@@ -190,13 +190,16 @@ def _check_shown(
 ) -> None:  # fmt: skip
     """Refuse to put what moves no human head on one; our own tables hold any controls."""
     from lipwright.pipeline import moves_heads
+    from lipwright.rig import LinearMapping
 
     if not exporter.rig and not exporter.shows:
         return
     if rig is None and not moves_heads(names):
         raise LipwrightError(f"{target}: {who}")
-    if rig is None or not exporter.shows or wanted.onto is not None or rig.bones or rig.looks:
+    if rig is None or not exporter.shows or wanted.onto is not None or rig.looks:
         return
+    if rig.bones and isinstance(rig.mapping, LinearMapping):
+        return  # our head can be put on them
     if not moves_heads(rig.names):
         raise LipwrightError(
             f"{target}: the rig {rig.name!r} does not say how it looks on a human face; write "
