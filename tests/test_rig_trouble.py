@@ -8,11 +8,13 @@ import struct
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lipwright.cli import run
 from lipwright.errors import LipwrightError
 from lipwright.export import read_clip
+from lipwright.export.gltf_curves import shared_keys
 from lipwright.export.gltf_file import read_gltf
 from lipwright.export.gltf_names import Character
 from lipwright.expressions import load_expression
@@ -128,6 +130,25 @@ class TestCurves:
         path = clip_file(["jawOpen"], [[0.5]] * 9000, fps=0.1)
         line = refusal(["convert", path, "-o", "out.rhubarb.tsv"], capsys)
         assert "lasts 89990 s, with 1 controls at 0.1 frames a second; convert it in parts" in line
+
+    def test_half_a_letter_in_a_word_is_refused(self, capsys: pytest.CaptureFixture[str]) -> None:
+        word = {"text": "a\ud800", "first": 0, "stop": 1, "confidence": None}
+        track = {"phones": ["AA"], "edges": [0, 0.1], "stress": [1], "words": [word]}
+        path = clip_file(["jawOpen"], [[0.5]], track=track)
+        line = refusal(["convert", path, "-o", "out.srt"], capsys)
+        assert r"clip.json: word 'a\ud800' has a control character or half a letter" in line
+
+
+class TestFewKeys:
+    def test_lines_over_many_runs_hold_every_frame_of_all_curves(self) -> None:
+        walk = np.random.default_rng(7).normal(0, 0.02, (3001, 3)).cumsum(axis=0)
+        values = walk.astype(np.float32)
+        keys = shared_keys(values, 0.1)
+        assert keys[0] == 0
+        assert keys[-1] == 3000
+        assert len(keys) < 1000
+        lines = [np.interp(np.arange(3001), keys, column[keys]) for column in values.T]
+        assert np.abs(np.stack(lines, axis=1) - values).max() <= 0.1 + 1e-6
 
 
 def test_an_expression_out_of_a_pipe_is_refused_and_not_waited_for() -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.controls import is_text
 from lipwright.phones import PHONES, SILENCE
 
 
@@ -64,6 +65,8 @@ class PhoneTrack:
                 raise ValueError(f"word {word.text!r} is out of order or out of the track")
             if not word.text or word.text.split() != [word.text]:
                 raise ValueError(f"word {word.text!r} is empty or has white space")
+            if not is_text(word.text):
+                raise ValueError(f"word {word.text!a} has a control character or half a letter")
             if word.confidence is not None and not 0 <= word.confidence <= 1:
                 raise ValueError(f"word {word.text!r} has the confidence {word.confidence}")
             stop = word.stop

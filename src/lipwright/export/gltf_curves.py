@@ -21,13 +21,14 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.export.gltf_store import Json, Store
-from lipwright.keys import KeyedClip, KeyedCurve, keyed
+from lipwright.keys import LANE, Frames, KeyedClip, KeyedCurve, keyed
 
 Floats = npt.NDArray[np.float64]
 
 KINDS: Final = {"weights": "SCALAR", "translation": "VEC3", "rotation": "VEC4"}
 """what a channel animates, to the type of its accessor"""
 AHEAD: Final = 8  # frames to look ahead at first; a line over all curves of speech ends sooner
+TRIED: Final = 3 * LANE  # frames that tell which of the two is smaller; fitting all takes seconds
 MARK: Final = "lipwright"
 """in an animation's `extras`: the frames a second of the clip, which of several animations it is,
 and the node that turns with the head"""
@@ -100,11 +101,11 @@ def _sampler(
         ends = [0, -1] if len(values) > 1 else [0]
         times, values = times[ends], values[ends]
     elif error is not None:
-        joined, *parts = join_keys(keyed(clip, error))
         alone = np.count_nonzero(np.ptp(values, axis=0)) == 1
         corners = [] if alone else shared_keys(values, error)
-        if alone or 3 * len(joined) < len(corners):
-            interpolation, times = "CUBICSPLINE", joined
+        if alone or _is_cubic_smaller(clip, error, corners):
+            interpolation = "CUBICSPLINE"
+            times, *parts = join_keys(keyed(clip, error))
             values = np.stack(parts, axis=1).astype(np.float32)
         else:
             times, values = times[corners], values[corners]
@@ -113,36 +114,55 @@ def _sampler(
     return {"input": store.times(times), "output": output, "interpolation": interpolation}
 
 
+def _is_cubic_smaller(clip: Clip, error: float, corners: list[int]) -> bool:
+    """Whether cubic keys take less than lines with these; of a long clip, in its middle."""
+    first = max(len(clip) - TRIED, 0) // 2
+    tried = clip.with_values(clip.values[first : first + TRIED])
+    inside = np.array(corners)
+    lines = np.count_nonzero((inside >= first) & (inside < first + TRIED))
+    return bool(3 * len(join_keys(keyed(tried, error))[0]) < lines)
+
+
 def shared_keys(values: npt.NDArray[np.float32], error: float) -> list[int]:
     """The frames of (T, C) that are enough for straight lines within `error` of all others.
 
     From each key the next is as far as one line a curve reaches: it must end at a frame's own
-    values, and pass every frame between within `error`.
+    values, and pass every frame between within `error`. All runs of `LANE` frames are gone through
+    at once.
     """
     moving = values[:, np.ptp(values, axis=0) > 0].astype(np.float64)
-    keys, end = [0], len(values) - 1
-    while keys[-1] < end:
-        start, ahead = keys[-1], AHEAD
-        step, final = _farthest(moving[start : start + ahead + 1], error)
-        while not final and start + ahead < end:
-            ahead *= 2
-            step, final = _farthest(moving[start : start + ahead + 1], error)
-        keys.append(start + step)
-    return keys
+    end = len(values) - 1
+    frame: Frames = np.arange(0, max(end, 1), LANE)
+    stop = np.minimum(frame + LANE, end)
+    keys = [frame]
+    while len(frame):
+        frame = frame + _farthest(moving, error, frame, stop)
+        keys.append(frame)
+        frame, stop = frame[frame < stop], stop[frame < stop]
+    return [int(key) for key in np.unique(np.concatenate(keys))]
 
 
-def _farthest(rows: Floats, error: float) -> tuple[int, bool]:
-    """How far the line from the first of (n + 1, C) rows reaches, and that it ends before the last.
+def _farthest(values: Floats, error: float, frame: Frames, stop: Frames) -> Frames:
+    """How far the lines from each of n frames of (T, C) reach, at most to `stop` (n,).
 
     All slopes count that pass each frame so far within `error`.
     """
-    steps = np.arange(1, len(rows))[:, None]
-    slopes = (rows[1:] - rows[0]) / steps
-    low = np.maximum.accumulate(slopes - error / steps, axis=0)
-    high = np.minimum.accumulate(slopes + error / steps, axis=0)
-    reached = ((slopes[1:] >= low[:-1]) & (slopes[1:] <= high[:-1])).all(axis=1)
-    farthest = int(np.flatnonzero(np.append(True, reached))[-1]) + 1
-    return farthest, bool((low > high).any())
+    farthest = np.minimum(1, stop - frame)
+    trying, ahead = np.flatnonzero(stop > frame), AHEAD
+    while len(trying):
+        steps = np.arange(1, ahead + 1)
+        ends = frame[trying, None] + steps  # (n, ahead)
+        inside = ends <= stop[trying, None]
+        rows = values[np.minimum(ends, len(values) - 1)] - values[frame[trying], None]
+        slopes = rows / steps[:, None]
+        low = np.maximum.accumulate(slopes - error / steps[:, None], axis=1)
+        high = np.minimum.accumulate(slopes + error / steps[:, None], axis=1)
+        fits = ((slopes[:, 1:] >= low[:, :-1]) & (slopes[:, 1:] <= high[:, :-1])).all(axis=2)
+        reached = np.where(fits & inside[:, 1:], steps[1:], 1).max(axis=1)
+        farthest[trying] = reached
+        ended = (low > high).any(axis=(1, 2)) | ~inside[:, -1]
+        trying, ahead = trying[~ended], 2 * ahead
+    return farthest
 
 
 def join_keys(keys: KeyedClip) -> tuple[Floats, Floats, Floats, Floats]:
