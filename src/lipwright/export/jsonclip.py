@@ -71,7 +71,7 @@ def _keys(curve: KeyedCurve, fps: float, bound: float) -> dict[str, list[Any]]:
     # moves the middle of a span by a quarter of the span's length times it.
     longest = float(np.diff(curve.times).max(initial=0.01))  # s
     decimals = max(math.ceil(math.log10(0.5 / (0.01 * bound))), 2)
-    slope_decimals = max(math.ceil(math.log10(0.5 * longest / 4 / (0.02 * bound))), 1)
+    slope_decimals = max(math.ceil(math.log10(0.5 * longest / 4 / (0.02 * bound)) - 1e-9), 1)
 
     def rounded(values: npt.NDArray[np.float64], digits: int) -> list[float]:
         return (values.round(digits) + 0.0).tolist()
