@@ -217,3 +217,26 @@ class TestCharacters:
         document["extensions"] = {"VRM": {"blendShapeMaster": {"blendShapeGroups": [group]}}}
         Path("face.vrm").write_bytes(to_glb(document, data))
         assert "Ah" in Character(read_gltf("face.vrm")).names()
+
+
+class TestEdits:
+    @pytest.mark.parametrize(
+        ("changes", "reason"),
+        [
+            ({"fps": 1e-300, "names": ["jawOpen"], "values": [[1], [2]]}, "has no 'fps'"),
+            ({"fps": 60, "names": ["jawOpen"], "values": [[1e300]]}, "frame 0 is no list of num"),
+            ({"fps": 60, "names": ["\ud800"], "values": [[1]]}, "rename it"),
+        ],
+    )
+    def test_changes_that_no_curve_can_take_leave_the_output_as_it_was(
+        self, changes: dict[str, Any], reason: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        path = clip_file(["jawOpen"], [[0.5], [0.2]])
+        command = ["convert", path, "--edits", "my.edits.json", "-o", "out.json"]
+        assert run(command) == 0
+        before = Path("out.json").read_text()
+        edits = json.loads(Path("my.edits.json").read_text())
+        Path("my.edits.json").write_text(json.dumps({**edits, "changes": changes}))
+        capsys.readouterr()
+        assert reason in refusal(command, capsys)
+        assert Path("out.json").read_text() == before

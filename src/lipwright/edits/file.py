@@ -11,12 +11,15 @@ import numpy as np
 from lipwright.clip import MAX_FPS, Clip
 from lipwright.edits.values import Edits
 from lipwright.errors import LipwrightError
+from lipwright.export.jsonclip import check_names
 from lipwright.export.performance import rounded_rows
 from lipwright.files import write_whole
 from lipwright.formats.jsontrack import dump, is_number, json_to_track, parse_json, track_to_json
 
 FORMAT: Final = "lipwright-edits"
 VERSION: Final = 1
+MIN_FPS: Final = 0.1  # frames a second; fewer are a slip of the pen
+LARGEST: Final = 1e30  # units of a control; sums of a few stay within float32
 DECIMALS: Final = 7  # of units of a control: what float32 holds
 
 
@@ -76,11 +79,13 @@ def _to_clip(path: str | Path, place: str, content: Any) -> Clip:
     fps: Any = fields.get("fps")
     names: Any = fields.get("names")
     rows: Any = fields.get("values")
-    if not is_number(fps) or not 0 < fps <= MAX_FPS or not isinstance(rows, list):
+    if not is_number(fps) or not MIN_FPS <= fps <= MAX_FPS or not isinstance(rows, list):
         raise LipwrightError(f"{path}: {place!r} has no 'fps' or no 'values'; correct it")
     for frame, row in enumerate(rows):
-        if not isinstance(row, list) or not all(map(is_number, row)):
+        if not isinstance(row, list) or not all(is_number(v) and abs(v) < LARGEST for v in row):
             raise LipwrightError(f"{path}: {place!r}: frame {frame} is no list of numbers")
+    if isinstance(names, list) and all(isinstance(name, str) for name in names):
+        check_names(path, names)
     try:
         return Clip(tuple(names or ()), fps, np.array(rows, np.float64))
     except (TypeError, ValueError) as error:
