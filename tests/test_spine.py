@@ -11,6 +11,7 @@ import pytest
 
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL
+from lipwright.errors import LipwrightError
 from lipwright.export import Performance, export_all
 from lipwright.retarget.shapes import choose_shapes
 from lipwright.rig import Control, Rig, load_rig
@@ -83,3 +84,11 @@ def test_drawings_of_a_rig_of_ones_own_keep_their_names(tmp_path: Path) -> None:
         {"time": 0.3, "name": "mouth_zu"},
     ]  # fmt: skip
     assert skeleton["slots"][0]["attachment"] == "mouth_zu"
+
+
+def test_drawings_that_differ_by_capitals_alone_are_refused(tmp_path: Path) -> None:
+    rig = Rig("r", (Control("A"), Control("a")), {}, looks={"A": {"jawOpen": 1.0}}, discrete=True)
+    performance = Performance(Clip(rig.names, 30.0, np.eye(2)), rig=rig)
+    with pytest.raises(LipwrightError, match=r"a\.spine\.json: the drawings 'A' and 'a' are both"):
+        export_all(tmp_path / "a.spine.json", performance)
+    assert not list(tmp_path.iterdir())

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePath
 from typing import Any, Final
 
+from lipwright.errors import LipwrightError
 from lipwright.export.drawn import drawn_shapes, sound_name
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.retarget.shapes import ShownShape, rest_shape
@@ -31,9 +32,11 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """The one file.
 
     Raises:
-        LipwrightError: shapes cannot be chosen for these curves.
+        LipwrightError: shapes cannot be chosen for these curves, or two have one name in small
+            letters.
     """
     rig, choose = drawn_shapes(path, performance, RIG)
+    _check_names(path, rig)
     sound = PurePath(sound_name(performance)).name
     return [text_output(path, lambda: _lines(choose(), rig, sound))]
 
@@ -54,6 +57,17 @@ def _lines(shown: tuple[ShownShape, ...], rig: Rig, sound: str) -> Iterator[str]
         animation["events"] = [{"time": 0, "name": ANIMATION}]
     skeleton["animations"] = {ANIMATION: animation}
     yield json.dumps(skeleton, ensure_ascii=False, indent=1) + "\n"
+
+
+def _check_names(path: Path, rig: Rig) -> None:
+    seen: dict[str, str] = {}
+    for name in rig.names:
+        if other := seen.get(_attachment(name)):
+            raise LipwrightError(
+                f"{path}: the drawings {other!r} and {name!r} are both {_attachment(name)!r} in "
+                "Spine; rename one in the rig"
+            )
+        seen[_attachment(name)] = name
 
 
 def _attachment(name: str) -> str:
