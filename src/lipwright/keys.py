@@ -161,7 +161,9 @@ def _smooth(frames: Frames, values: Floats, slopes: Floats, fps: float) -> Keyed
 
 
 SHARE: Final = 0.97  # of the bound; the rest is for the digits that files leave out
-HEADROOM: Final = 1.6  # times the bound for the choice of keys: fitting them takes errors down
+HEADROOM: Final = 1.45  # times the bound for the choice of keys: fitting them takes errors down
+THIRD: Final = 3  # keys of which one is tried at a time: its neighbours hold the curve meanwhile
+ROUNDS: Final = 4  # in which keys that are missed come back
 TETHER: Final = 1e-4  # how much a key's value and slope are held to the curve's, against a frame's
 LANE: Final = 600  # frames that are gone through in a row; each run of so many begins with a key
 REACH: Final = 96  # frames from key to key at the most
@@ -227,7 +229,7 @@ def fitted_keys(
 
     Least squares over all frames, for all keys at once: what a key does reaches only its two spans,
     so that the equations are banded. A span that is farther from the curve than `error` is parted
-    where it is farthest, until none is.
+    where it is farthest, until none is; then keys that are not missed go.
 
     Args:
         values: (T,).
@@ -238,16 +240,41 @@ def fitted_keys(
     Returns:
         The frames (K,), values (K,) and slopes (K,) a frame of the keys.
     """
+    frames = _parted(values, slopes, frames, error)
+    frames = _parted(values, slopes, _thinned(values, slopes, frames, error), error)
+    solution, _ = _least_squares(values, slopes, frames)
+    return frames, solution[0::2], solution[1::2]
+
+
+def _parted(values: Floats, slopes: Floats, frames: Frames, error: float) -> Frames:
+    """The keys, and one more in each span that is too far, where it is farthest, until none is."""
     while True:
-        solution, off = _least_squares(values, slopes, frames)
+        off = _least_squares(values, slopes, frames)[1]
         # A key's own frame counts for the spans on both sides: either may pull it away.
         worst = np.maximum(np.maximum.reduceat(off, frames[:-1]), off[frames[1:]])
         far = np.flatnonzero((worst > error) & (np.diff(frames) > 1))
         if not len(far):
-            return frames, solution[0::2], solution[1::2]
+            return frames
         spans = zip(frames[far] + 1, frames[far + 1], strict=True)
         more = [first + int(off[first:stop].argmax()) for first, stop in spans]
         frames = np.union1d(frames, np.array(more, np.intp))
+
+
+def _thinned(values: Floats, slopes: Floats, frames: Frames, error: float) -> Frames:
+    """The keys without those, of every third at a time, that can go and leave all frames near."""
+    for first in range(1, 1 + THIRD):
+        gone = np.arange(first, len(frames) - 1, THIRD)
+        for _ in range(ROUNDS):
+            fewer = np.delete(frames, gone)
+            far = np.flatnonzero(_least_squares(values, slopes, fewer)[1] > error)
+            if not len(far):
+                frames = fewer
+                break
+            # Those on both sides of a frame that is too far come back.
+            after = np.searchsorted(frames[gone], far)
+            back = np.union1d(np.maximum(after - 1, 0), np.minimum(after, len(gone) - 1))
+            gone = np.delete(gone, back)
+    return frames
 
 
 def _least_squares(values: Floats, slopes: Floats, frames: Frames) -> tuple[Floats, Floats]:
