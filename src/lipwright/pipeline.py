@@ -27,7 +27,6 @@ from lipwright.export import Performance, read_clip, read_performance_json
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
-from lipwright.life import add_life, check_life
 from lipwright.passes import (
     Pass,
     apply_passes,
@@ -37,7 +36,6 @@ from lipwright.passes import (
     finishing_passes,
     learnt_passes,
 )
-from lipwright.retarget import retarget
 from lipwright.rig import Rig, canonical_rig, load_rig
 from lipwright.speech import Alignment, align
 from lipwright.track import PhoneTrack
@@ -110,7 +108,10 @@ class AnimateOptions:
         _check_fps(self.fps)
         if self.passes is None:
             default_passes(self.intensity, self.intensities)  # refuses what it cannot use
-        check_life(self.life, self.seed)
+        if self.life or self.seed:
+            from lipwright.life import check_life
+
+            check_life(self.life, self.seed)
 
     @property
     def runs(self) -> tuple[str | None, str | Path | BigramSet | None]:
@@ -315,6 +316,8 @@ def _with_layers(
     clip = apply_passes(clip, track, layers)
     if options.life == 0:
         return clip
+    from lipwright.life import add_life
+
     return add_life(clip, track, audio, options.seed, options.life)
 
 
@@ -432,4 +435,6 @@ def for_rig(performance: Performance, rig: Rig | None) -> Performance:
         return performance
     if own is not None and own.looks:
         clip = own.to_canonical(clip)
+    from lipwright.retarget import retarget
+
     return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)

@@ -212,16 +212,22 @@ def export_targets(
     options: ExportOptions,
 ) -> None:  # fmt: skip
     """Write the outputs, whole or not at all; what goes through a pipe first."""
-    from lipwright.edits import export_with_edits
     from lipwright.export import export_all
 
     files = [target for target in targets if target != STDIN]
     if STDIN in targets:
         pipe(suffix, lambda path: export_all([path], performance, format=suffix, options=options))
     if files and wanted.edits is not None:
+        from lipwright.edits import export_with_edits
+
         kept = export_with_edits(files, performance, wanted.edits, options, format=suffix)
         if kept.unrecorded:
             say(f"{kept.path}: no record of what was written there; its differences were taken")
+        if kept.put_back:
+            say(
+                f"{kept.path}: held none of the edits of {wanted.edits}, which were put back; "
+                "delete that file to drop them"
+            )
         if kept.controls:
             controls = ", ".join(kept.controls[:3]) + (", ..." if len(kept.controls) > 3 else "")
             say(f"{kept.path}: kept edits of {kept.seconds:.1f} s in {controls}")

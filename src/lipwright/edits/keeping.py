@@ -35,6 +35,8 @@ class Kept:
     """how long any of them is edited, in all"""
     unrecorded: bool
     """nothing told what had been written; its differences from this result were taken"""
+    put_back: bool
+    """the file had lost all edits, as a run without them leaves it, and has them again"""
 
 
 def edited_output(
@@ -95,12 +97,14 @@ def export_with_edits(
     onto = None if options is None else options.onto
     output, place = edited_output(targets, performance.rig, onto, format), Path(edits)
     state = load_edits(place) if place.exists() else Edits(track=performance.track)
-    unrecorded = False
+    unrecorded = put_back = False
     if output.exists():
         unrecorded = not state.written
         if unrecorded:
             state = replace(state, written=(_read_back(output, performance, options, format),))
-        state = state.gathered(read_clip(output, format))
+        found = read_clip(output, format)
+        put_back = state.undone(state.news(found))
+        state = state.gathered(found)
         save_edits(state, place)
     moved = state.moved_to(performance.track)
     changed = replace(performance, clip=moved.applied(performance.clip))
@@ -109,7 +113,7 @@ def export_with_edits(
     save_edits(replace(moved, written=(*state.written, coming)), place)
     export_all(targets, changed, format=format, options=options)
     save_edits(replace(moved, written=(coming,)), place)
-    return Kept(output, *_extent(moved.changes), unrecorded)
+    return Kept(output, *_extent(moved.changes), unrecorded, put_back)
 
 
 def _read_back(

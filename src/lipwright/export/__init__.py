@@ -20,7 +20,6 @@ from lipwright.export.jsonclip import read_clip_json, read_performance_json
 from lipwright.export.performance import ExportOptions, Output, PathLike, Performance
 from lipwright.files import write_whole
 from lipwright.formats.suffixes import by_suffix
-from lipwright.retarget import is_retargetable, retarget
 from lipwright.rig import load_rig
 from lipwright.track import PhoneTrack
 
@@ -223,7 +222,11 @@ def in_rig_of(exporter: Exporter, performance: Performance, options: ExportOptio
     if own is not None and own.looks:
         clip = own.to_canonical(clip)
         performance = replace(performance, clip=clip, rig=None)
-    if of_head or not is_retargetable(clip):
+    if of_head:
+        return performance
+    from lipwright.retarget import is_retargetable, retarget
+
+    if not is_retargetable(clip):
         return performance  # the exporter says what it misses
     rig = load_rig(wanted)
     return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)
