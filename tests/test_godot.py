@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from engine_clips import BOUND, jaw_of_bones, waves
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
-from lipwright.export import ExportOptions, export_all, export_clip
+from lipwright.export import ExportOptions, Performance, export_all, export_clip
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it calls its grammar library by older names
@@ -108,7 +108,7 @@ def test_bones_come_back_as_places_and_turns(tmp_path: Path) -> None:
     export_all(path := tmp_path / "a.tres", performance)
     clip = performance.clip
     tracks = {(t["type"], t["path"]): t["keys"] for t in read_godot(path)[1]}
-    assert len(tracks) == 5
+    assert len(tracks) == 4  # the head only turns
     places = table(tracks["position_3d", "Skeleton3D:jaw"], 5)
     np.testing.assert_allclose(places[:, 2:4], [[0.01, -0.04]] * len(clip), atol=1e-7)
     np.testing.assert_allclose(places[:, 4], 0.02 + clip.curve("jaw.tz"), atol=1e-7)
@@ -118,6 +118,13 @@ def test_bones_come_back_as_places_and_turns(tmp_path: Path) -> None:
     seen = Rotation.from_quat(turns[:, 2:]).as_matrix()
     np.testing.assert_allclose(seen, (z * x).as_matrix(), atol=1e-6)
     assert table(tracks["rotation_3d", "Skeleton3D:head"], 6).tolist() == [[0, 1, 0, 0, 0, 1]]
+
+
+def test_a_bone_that_only_moves_has_no_turns(tmp_path: Path) -> None:
+    performance = jaw_of_bones()
+    moved = Performance(performance.clip.select(["jaw.tz"]), rig=performance.rig)
+    export_all(path := tmp_path / "a.tres", moved)
+    assert [t["type"] for t in read_godot(path)[1]] == ["position_3d"]
 
 
 def test_one_frame_has_a_length(tmp_path: Path) -> None:

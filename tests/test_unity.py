@@ -93,7 +93,7 @@ def test_bones_come_back_in_left_handed_axes(tmp_path: Path) -> None:
     clip = performance.clip
     assert [c["attribute"] for c in found["m_FloatCurves"]] == ["blendShape.smile"]
     assert [c["path"] for c in found["m_RotationCurves"]] == ["head", "head/jaw"]
-    places = vectors(found["m_PositionCurves"][1], "value", "xyz")
+    places = vectors(found["m_PositionCurves"][0], "value", "xyz")
     np.testing.assert_allclose(places[:, :2], [[-0.01, -0.04]] * len(clip), atol=1e-7)
     np.testing.assert_allclose(places[:, 2], 0.02 + clip.curve("jaw.tz"), atol=1e-7)
     # A mirror at x = 0 turns our axes into Unity's: the matrix of each turn must be mirrored.
@@ -103,6 +103,16 @@ def test_bones_come_back_in_left_handed_axes(tmp_path: Path) -> None:
     x = Rotation.from_rotvec(np.outer(clip.curve("jaw.rx"), [1, 0, 0]), degrees=True)
     np.testing.assert_allclose(seen, mirror @ (z * x).as_matrix() @ mirror, atol=1e-6)
     assert len(found["m_RotationCurves"][0]["curve"]["m_Curve"]) == 1
+    assert [c["path"] for c in found["m_PositionCurves"]] == ["head/jaw"]  # the head only turns
+
+
+def test_a_bone_that_only_moves_has_no_turns(tmp_path: Path) -> None:
+    performance = jaw_of_bones()
+    moved = Performance(performance.clip.select(["jaw.tz"]), rig=performance.rig)
+    export_all(path := tmp_path / "a.anim", moved)
+    found = read_unity(path)
+    assert [c["path"] for c in found["m_PositionCurves"]] == ["head/jaw"]
+    assert not found["m_RotationCurves"]
 
 
 def test_what_unity_cannot_hold_is_refused(tmp_path: Path) -> None:

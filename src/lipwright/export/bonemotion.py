@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from lipwright.clip import Clip
 from lipwright.controls import HEAD_ANGLES
 from lipwright.errors import LipwrightError
 from lipwright.export.performance import ExportOptions, Performance
@@ -25,10 +26,10 @@ class BoneMotion:
 
     path: str
     """the names from the root bone down to it, with / between them"""
-    places: Floats
-    """(T, 3) m; (1, 3) where it stays"""
-    turns: Floats
-    """(T, 4) unit quaternions x, y, z, w; (1, 4) where it stays"""
+    places: Floats | None
+    """(T, 3) m; (1, 3) where it stays; None where no control of the clip is a translation of it"""
+    turns: Floats | None
+    """(T, 4) unit quaternions x, y, z, w; (1, 4) where it stays; None as with `places`"""
 
     @property
     def name(self) -> str:
@@ -53,6 +54,12 @@ def shape_names(performance: Performance) -> tuple[str, ...]:
     """The controls that are blendshapes: neither bones nor turns of the head."""
     others = {*bone_controls(performance), *HEAD_ANGLES}
     return tuple(name for name in performance.clip.names if name not in others)
+
+
+def without_bones(performance: Performance) -> Clip:
+    """The clip without the controls of bones; turns of the head stay."""
+    bones = bone_controls(performance)
+    return performance.clip.select(n for n in performance.clip.names if n not in bones)
 
 
 def check_moves(path: Path, performance: Performance) -> None:
@@ -82,19 +89,29 @@ def moved_bones(performance: Performance) -> Iterator[BoneMotion]:
     for bone in bones:
         above = paths.get(bone.parent)
         paths[bone.name] = f"{above}/{bone.name}" if above else bone.name
-        if any(own is bone for own, _ in channels.values()):
-            yield _motion(performance, bone, paths[bone.name], rest_place(bone, bones))
+        kinds = {channel[0] for own, channel in channels.values() if own is bone}
+        if kinds:
+            values = _channels(performance, bone)
+            yield BoneMotion(
+                paths[bone.name],
+                rest_place(bone, bones) + values[:, :3] if "t" in kinds else None,
+                _turns(values[:, 3:]) if "r" in kinds else None,
+            )
 
 
-def _motion(performance: Performance, bone: Bone, path: str, rest: Floats) -> BoneMotion:
-    from scipy.spatial.transform import Rotation
-
+def _channels(performance: Performance, bone: Bone) -> Floats:
+    """(T, 6) translations in m and rotations in degrees; (1, 6) where the bone stays."""
     clip = performance.clip.select([f"{bone.name}.{channel}" for channel in CHANNELS])
     values = clip.values.astype(np.float64)
-    if (values == values[0]).all():
-        values = values[:1]
-    turns = Rotation.from_euler("xyz", values[:, 3:], degrees=True).as_quat()
+    return values[:1] if (values == values[0]).all() else values
+
+
+def _turns(angles: Floats) -> Floats:
+    """(T, 4) quaternions of (T, 3) degrees."""
+    from scipy.spatial.transform import Rotation
+
+    turns = Rotation.from_euler("xyz", angles, degrees=True).as_quat()
     # Two quaternions turn alike; neighbours on one side do not go the long way round.
     flips = np.cumprod(np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0, -1.0, 1.0))
     turns[1:] *= flips[:, None]
-    return BoneMotion(path, rest + values[:, :3], turns)
+    return np.asarray(turns)

@@ -9,8 +9,9 @@ keys are `times` and `points`: the weight, then the handles before and after it 
 relative to the key. NODE is that of a MeshInstance3D below the root node of the AnimationPlayer.
 
 Bones of the rig are `position_3d` (m) and `rotation_3d` (quaternion x, y, z, w) tracks of
-`Skeleton3D:NAME`, a key a frame. Turns of the head are left out. Godot keeps times and weights in
-floats of 24 bits; here they have 1 us and seven digits, points of `bezier` tracks six.
+`Skeleton3D:NAME`, a key a frame, where the clip has a control of that kind. Turns of the head are
+left out. Godot keeps times and weights in floats of 24 bits; here they have 1 us and seven digits,
+points of `bezier` tracks six.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ from typing import Final
 import numpy as np
 
 from lipwright.export.bonemotion import (
-    BoneMotion,
     Floats,
     check_moves,
     moved_bones,
@@ -75,8 +75,10 @@ def _tracks(performance: Performance, options: ExportOptions) -> Iterator[tuple[
             yield "bezier", f"{node}:blend_shapes/{name}", _bezier_keys(curve)
     for bone in moved_bones(performance):
         path = f"{SKELETON}:{bone.name}"
-        yield "position_3d", path, _bone_keys(bone, bone.places, performance.clip.fps)
-        yield "rotation_3d", path, _bone_keys(bone, bone.turns, performance.clip.fps)
+        if bone.places is not None:
+            yield "position_3d", path, _bone_keys(bone.places, performance.clip.fps)
+        if bone.turns is not None:
+            yield "rotation_3d", path, _bone_keys(bone.turns, performance.clip.fps)
 
 
 def _bezier_keys(curve: KeyedCurve) -> str:
@@ -94,7 +96,7 @@ def _bezier_keys(curve: KeyedCurve) -> str:
     )
 
 
-def _bone_keys(bone: BoneMotion, values: Floats, fps: float) -> str:
+def _bone_keys(values: Floats, fps: float) -> str:
     form = "%.6f, 1, " + "%.7g, " * values.shape[1]
     return _packed(key_rows(form, np.arange(len(values)) / fps, *values.T))
 

@@ -7,7 +7,8 @@ of the objects from that of the Animator down to the renderer; keys have `time` 
 percent (weights of 1 are 100), `inSlope` and `outSlope` in percent a second, of cubic Hermite
 spans, and `tangentMode`: bit 0 broken, bits 1 to 4 the left and 5 to 8 the right mode (0 free,
 2 linear). Bones of the rig are `m_PositionCurves` (m) and `m_RotationCurves` (quaternions), one key
-a frame. Unity's axes are left-handed, so x is mirrored as its importers of models do.
+a frame, where the clip has a control of that kind. Unity's axes are left-handed, so x is mirrored
+as its importers of models do.
 
 Unity makes `m_ClipBindingConstant` and `m_EditorCurves` itself from the curves when they are empty.
 Turns of the head are left out. Numbers have seven digits, as many as Unity keeps; times 1 us.
@@ -22,10 +23,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from lipwright.export.bonemotion import (
     BoneMotion,
+    Floats,
     check_moves,
     moved_bones,
     scene_node,
@@ -106,9 +107,9 @@ def _lines(title: str, performance: Performance, options: ExportOptions) -> Iter
     bones = list(moved_bones(performance))
     yield f"{_HEAD}  m_Name: {yaml_text(title)}\n  serializedVersion: 6\n  m_Legacy: 0\n"
     yield "  m_Compressed: 0\n  m_UseHighQualityCurve: 1\n"
-    yield from _section("m_RotationCurves", [_bone(bone, "xyzw", clip.fps) for bone in bones])
+    yield from _section("m_RotationCurves", _turns(bones, clip.fps))
     yield "  m_CompressedRotationCurves: []\n  m_EulerCurves: []\n"
-    yield from _section("m_PositionCurves", [_bone(bone, "xyz", clip.fps) for bone in bones])
+    yield from _section("m_PositionCurves", _places(bones, clip.fps))
     yield "  m_ScaleCurves: []\n"
     names = shape_names(performance)
     renderer = scene_node(options)
@@ -118,7 +119,7 @@ def _lines(title: str, performance: Performance, options: ExportOptions) -> Iter
     yield f"    m_StopTime: {clip.duration:.6f}\n{_TAIL}"
 
 
-def _section(name: str, curves: Iterator[str] | list[str]) -> Iterator[str]:
+def _section(name: str, curves: Iterator[str]) -> Iterator[str]:
     empty = True
     for curve in curves:
         if empty:
@@ -147,9 +148,20 @@ def _float_keys(curve: KeyedCurve, linear: bool) -> str:
     return key_rows(form, curve.times, *columns, np.full(len(curve), LINEAR) if linear else modes)
 
 
-def _bone(bone: BoneMotion, axes: str, fps: float) -> str:
+def _turns(bones: list[BoneMotion], fps: float) -> Iterator[str]:
+    for bone in bones:
+        if bone.turns is not None:
+            yield _bone(bone, bone.turns * [1, -1, -1, 1], "xyzw", fps)
+
+
+def _places(bones: list[BoneMotion], fps: float) -> Iterator[str]:
+    for bone in bones:
+        if bone.places is not None:
+            yield _bone(bone, bone.places * [-1, 1, 1], "xyz", fps)
+
+
+def _bone(bone: BoneMotion, values: Floats, axes: str, fps: float) -> str:
     """One key a frame of a bone's place or turn, joined by straight lines."""
-    values = bone.places * [-1, 1, 1] if axes == "xyz" else bone.turns * [1, -1, -1, 1]
     slopes = np.diff(values, axis=0) * fps
     still = np.zeros((1, len(axes)))
     arriving, leaving = np.concatenate([still, slopes]), np.concatenate([slopes, still])
@@ -160,7 +172,7 @@ def _bone(bone: BoneMotion, axes: str, fps: float) -> str:
         f"        inSlope: {place}\n        outSlope: {place}\n        tangentMode: 0\n"
         f"        weightedMode: 0\n        inWeight: {third}\n        outWeight: {third}\n"
     )
-    columns: list[npt.NDArray[np.float64]] = [np.arange(len(values)) / fps]
+    columns: list[Floats] = [np.arange(len(values)) / fps]
     for table in (values, arriving, leaving):
         columns += list(table.T)
     keys = key_rows(form, *columns)
