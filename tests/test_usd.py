@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from engine_clips import jaw_of_bones
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
@@ -152,3 +153,14 @@ def test_without_usd_it_says_how_to_install_it(
     with pytest.raises(LipwrightError, match=r"pip install 'lipwright\[usd\]'"):
         export_all([tmp_path / "a.usda"], Performance(talking()))
     assert not list(tmp_path.iterdir())
+
+
+def test_bones_are_no_blendshapes(tmp_path: Path) -> None:
+    performance = jaw_of_bones()
+    query = animation_query(opened(tmp_path / "a.usda", performance))
+    assert tuple(query.GetBlendShapeOrder()) == ("smile",)
+    bones = [name for name in performance.clip.names if "." in name]
+    alone = Performance(performance.clip.select(bones), rig=performance.rig)
+    with pytest.raises(LipwrightError, match=r"b\.usda: the curves move bones alone.*GLB"):
+        export_all([tmp_path / "b.usda"], alone)
+    assert not (tmp_path / "b.usda").exists()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from engine_clips import jaw_of_bones
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT, HEAD_ANGLES
 from lipwright.errors import LipwrightError
@@ -121,3 +122,15 @@ def test_other_names_are_custom_expressions(tmp_path: Path, reader: Reader) -> N
 def test_curves_without_expressions_are_refused(tmp_path: Path) -> None:
     with pytest.raises(LipwrightError, match="have none of VRM's expressions"):
         written(tmp_path, Performance(Clip(("x",), 60, np.zeros((2, 1)))))
+
+
+def test_bones_are_no_expressions(tmp_path: Path, reader: Reader) -> None:
+    performance = jaw_of_bones()
+    reader.load(written(tmp_path, performance))
+    (animation,) = reader.call("vrma")
+    assert set(animation["custom"]) == {"smile"}
+    assert not animation["preset"]
+    bones = [name for name in performance.clip.names if "." in name]
+    alone = Performance(performance.clip.select(bones), rig=performance.rig)
+    with pytest.raises(LipwrightError, match=r"b\.vrma: .* retarget them to the rig vrm1"):
+        export_all([tmp_path / "b.vrma"], alone)

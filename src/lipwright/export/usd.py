@@ -5,8 +5,8 @@ files. In metres, y up, one time code a frame. A SkelRoot holds a mesh for each 
 `skel:blendShapes` name the blendshapes that move it, a skeleton whose joint `Neck/Head` turns our
 head, and a SkelAnimation with `blendShapes` and time samples of `blendShapeWeights` as they are,
 float32; USD is linear between them. Curves of which the character has no blendshape stand there
-too; with a rig that no mesh is there for, they are all there is. The recording is a SpatialAudio
-that names the file, where it is one that USD plays.
+too; with a rig that no mesh is there for, they are all there is. Bones of a rig are left out. The
+recording is a SpatialAudio that names the file, where it is one that USD plays.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy.typing as npt
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError, MissingExtraError
+from lipwright.export.bonemotion import without_bones
 from lipwright.export.performance import ExportOptions, Output, Performance
 from lipwright.face.head import Head, load_head
 from lipwright.face.neck import turn_shares
@@ -47,17 +48,24 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """The one file.
 
     Raises:
-        LipwrightError: USD is not installed, or the clip moves none of the given character.
+        LipwrightError: USD is not installed, or the clip moves bones alone, or none of the given
+            character.
     """
     prepare()
-    mesh = _shown(path, performance, options)
+    clip = without_bones(performance)
+    if not clip.names:
+        raise LipwrightError(
+            f"{path}: the curves move bones alone, and it holds blendshapes; export the canonical "
+            "curves, or write a GLB"
+        )
+    mesh = _shown(path, clip, options)
     sound = _sound(path, performance)
 
     def write(part: Path) -> None:
         from pxr import Tf
 
         try:
-            _write(part, path.stem, performance.clip, mesh, sound)
+            _write(part, path.stem, clip, mesh, sound)
         except Tf.ErrorException as error:
             reason = str(error).strip().partition("\n")[0][:80]
             raise LipwrightError(f"{path}: cannot be written: {reason}") from None
@@ -65,9 +73,9 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     return [Output(path, write)]
 
 
-def _shown(path: Path, performance: Performance, options: ExportOptions) -> Mesh | None:
+def _shown(path: Path, clip: Clip, options: ExportOptions) -> Mesh | None:
     """The character; None where only the weights are written."""
-    names = set(performance.clip.names)
+    names = set(clip.names)
     if options.character is not None:
         if not names & set(options.character.shape_names):
             raise LipwrightError(

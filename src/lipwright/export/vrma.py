@@ -3,8 +3,8 @@
 A GLB with the extension `VRMC_vrm_animation` 1.0 (VRM Consortium, vrm-specification). A node stands
 for each expression, and the x of its translation is the weight, from 0 to 1. Those of VRM 1.0's
 presets are presets, all others custom. Where an avatar looks is not an expression there, so that
-`lookUp`, `lookDown`, `lookLeft` and `lookRight` are left out. The humanoid's required bones stand
-in the T-pose; the head's rotation is that of the clip's head.
+`lookUp`, `lookDown`, `lookLeft` and `lookRight` are left out, as are bones of a rig. The humanoid's
+required bones stand in the T-pose; the head's rotation is that of the clip's head.
 
 Players take the sound from elsewhere; none is written. Each expression has keys of its own: one a
 frame, two where it never changes, or few, as cubic splines. Weights and times are
@@ -21,6 +21,7 @@ import numpy as np
 from lipwright.clip import Clip
 from lipwright.controls import HEAD_ANGLES
 from lipwright.errors import LipwrightError
+from lipwright.export.bonemotion import without_bones
 from lipwright.export.gltf_clip import VRMA, read_clip_gltf
 from lipwright.export.gltf_curves import Animation, check_clock
 from lipwright.export.gltf_store import Json, Store
@@ -62,7 +63,7 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     Raises:
         LipwrightError: the clip has no expression.
     """
-    clip = performance.clip
+    clip = without_bones(performance)
     check_clock(path, clip)
     names = expression_names(clip)
     if not names or (performance.rig is None and not PRESETS & set(names)):
