@@ -40,6 +40,7 @@ from lipwright.export import (
     read_performance_json,
 )
 from lipwright.export.glb import mesh_to_glb
+from lipwright.export.mp4 import picture_times
 from lipwright.face.head import Head, Part, save_head
 from lipwright.track import PhoneTrack, Word
 
@@ -629,6 +630,31 @@ def decode(path: Path) -> tuple[np.ndarray, list[float], np.ndarray, Any]:
             blocks = [f.to_ndarray()[0] for f in container.decode(container.streams.audio[0])]
             samples = np.concatenate(blocks)
     return np.stack([p for p, _ in pictures]), [t for _, t in pictures], samples, facts
+
+
+class TestPictureTimes:
+    """Which moments of a clip the pictures of a video show."""
+
+    @staticmethod
+    def jaw(*opening: float) -> Clip:
+        return Clip(("jawOpen",), 60, np.array(opening, np.float32)[:, None])
+
+    def test_lips_that_meet_between_two_pictures_are_shown_in_the_first_of_them(self) -> None:
+        clip = self.jaw(0.5, 0.5, 0.5, 0.0, 0.5, 0.5)
+        assert picture_times(clip, 30, 3) * 60 == pytest.approx([0, 3, 4])
+
+    def test_other_pictures_show_their_own_moment(self) -> None:
+        clip = self.jaw(0.5, 0.4, 0.0, 0.5, 0.3, 0.2, 0.0, 0.0)
+        assert picture_times(clip, 30, 4) * 60 == pytest.approx([0, 2, 4, 6])
+        assert picture_times(clip, 60, 8) * 60 == pytest.approx(range(8))
+
+    def test_a_video_that_is_longer_than_the_clip_goes_on(self) -> None:
+        times = picture_times(self.jaw(0.5, 0.0), 30, 4) * 60
+        assert times == pytest.approx([1, 2, 4, 6])
+
+    def test_curves_that_move_no_lips_are_shown_as_they_are(self) -> None:
+        clip = Clip(("ears",), 60, np.zeros((4, 1), np.float32))
+        assert picture_times(clip, 30, 2).tolist() == [0, 1 / 30]
 
 
 class TestMp4:

@@ -29,6 +29,7 @@ from lipwright.export.performance import (
     prepare_head,
     shown_character,
 )
+from lipwright.passes.openings import OPENINGS, gaps
 
 if TYPE_CHECKING:
     from av.container import OutputContainer
@@ -42,6 +43,7 @@ Frames = Generator[npt.NDArray[np.uint8], None, None]
 MAX_VIDEO_FPS: Final = 30.0  # what a player shows smoothly everywhere, and half the work of 60
 SOUND_RATE: Final = 48_000  # Hz, the rate of AAC that every player knows
 SOUND_BITS: Final = 128_000  # bits a second: more than mono speech needs
+MEETING: Final = 0.002  # eye distances; a fiftieth of a mouth that speaks
 VIDEO: Final = {"crf": "18", "preset": "fast"}  # x264: no loss that one sees
 BT709: Final = 1  # ITU-T H.273: primaries, transfer and matrix of BT.709
 
@@ -76,7 +78,7 @@ def _write(
     fps = video_fps(performance.clip.fps)
     with performance.open_sound() as sound:
         count = frame_count(performance.clip, fps, sound)
-        times = np.arange(count) / fps
+        times = picture_times(performance.clip, fps, count)
         with closing(_render(mesh, rig, performance.clip, times, options)) as frames:
             try:
                 encode(part, frames, fps, options, sound)
@@ -87,6 +89,24 @@ def _write(
 def video_fps(fps: float) -> float:
     """The video's frames a second for a clip's."""
     return fps / math.ceil(fps / MAX_VIDEO_FPS)
+
+
+def picture_times(clip: Clip, fps: float, count: int) -> npt.NDArray[np.float64]:
+    """(count,) s, the times of the clip that the pictures show.
+
+    Each picture stands for the frames of the clip from its own on to the next picture's. Where the
+    lips meet at one of them alone, that is the one that is shown: no closure falls between two.
+    """
+    times = np.arange(count) / fps
+    frames = max(round(clip.fps / fps), 1)
+    if frames == 1 or not set(clip.names) & set(OPENINGS):
+        return times
+    apart = gaps(clip).mean(axis=1)
+    own = np.minimum(np.arange(count) * frames, len(clip) - 1)
+    ahead = np.minimum(own[:, None] + np.arange(frames), len(clip) - 1)
+    tightest = ahead[np.arange(count), apart[ahead].argmin(axis=1)]
+    meets = (apart[own] > MEETING) & (apart[tightest] <= MEETING)
+    return np.asarray(np.where(meets, tightest / clip.fps, times))
 
 
 def frame_count(clip: Clip, fps: float, sound: Sound | None) -> int:
