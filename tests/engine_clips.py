@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from scipy.interpolate import PPoly
 
 from lipwright.clip import Clip
 from lipwright.export import Performance
+from lipwright.export.jsonclip import read_performance_json
 from lipwright.rig import Bone, Control, Rig
 
 BOUND = 0.01  # of sparse keys
+HELLO_CLIP = Path(__file__).parents[1] / "examples" / "hello.clip.json"
 
 
 def wave(name: str, fps: float, frames: int = 150) -> np.ndarray:
@@ -40,6 +44,18 @@ def jaw_of_bones() -> Performance:
         bones=(Bone("head", "", (0, 0.1, 0.0)), Bone("jaw", "head", (0.01, 0.06, 0.02))),
     )
     return Performance(Clip(names, 30, values), rig=rig)
+
+
+def least_at_closures(curve: np.ndarray) -> list[float]:
+    """The least value of a curve (T,) in the time of each p, b and m of `HELLO_CLIP`."""
+    performance = read_performance_json(HELLO_CLIP)
+    track, fps = performance.track, performance.clip.fps
+    assert track is not None
+    return [
+        float(curve[int(start * fps) : int(np.ceil(end * fps))].min())
+        for phone, start, end in zip(track.phones, track.edges[:-1], track.edges[1:], strict=True)
+        if phone in {"P", "B", "M"}
+    ]
 
 
 def hermite(

@@ -15,12 +15,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from engine_clips import HELLO_CLIP, least_at_closures
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT, CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
 from lipwright.export import ExportOptions, Performance, export_all, read_clip
 from lipwright.export.gltf_names import loose_name
-from lipwright.export.onto import rig_for
+from lipwright.export.onto import left_out, rig_for
 from lipwright.face.turning import head_rotations
 from lipwright.retarget import retarget
 from lipwright.rig import load_rig
@@ -506,3 +507,48 @@ class TestHostile:
             animate(tmp_path, to_glb(document, binary), waves("jawOpen", *HEAD_ANGLES))
         except LipwrightError as error:
             assert "\n" not in str(error)  # noqa: PT017  # either is right
+
+
+class TestLips:
+    @pytest.mark.parametrize("jaw", ["jawOpen", "Jaw_Open"])
+    def test_a_jaw_alone_shuts_the_lips(self, tmp_path: Path, jaw: str) -> None:
+        clip = read_clip(HELLO_CLIP)
+        content = animate(tmp_path, to_glb(*character([jaw, "mouthSmileLeft"])), clip)
+        (tmp_path / "a.glb").write_bytes(content)
+        shown = read_clip(tmp_path / "a.glb").curve(jaw)
+        wanted = np.maximum(0, clip.curve("jawOpen") - clip.curve("mouthClose"))
+        assert shown == pytest.approx(wanted, abs=PRECISION)
+        assert max(least_at_closures(shown)) < 0.02
+        assert shown.max() > 0.2
+
+    @pytest.mark.parametrize("rig", [None, "arkit"])
+    def test_with_mouth_close_the_jaw_opens_alone(self, tmp_path: Path, rig: str | None) -> None:
+        clip = read_clip(HELLO_CLIP)
+        content = to_glb(*character(["jawOpen", "mouthClose"]))
+        own = None if rig is None else load_rig(rig)
+        (tmp_path / "a.glb").write_bytes(animate(tmp_path, content, clip, rig=own))
+        shown = read_clip(tmp_path / "a.glb").curve("jawOpen")
+        assert shown == pytest.approx(clip.curve("jawOpen"), abs=PRECISION)
+
+
+class TestLeftOut:
+    def test_it_is_what_moves_and_is_not_there(self, tmp_path: Path) -> None:
+        clip = waves("jawOpen", "eyeBlinkLeft", "browInnerUp", "tongueRaise")
+        still = clip.with_curves({"browInnerUp": np.full(len(clip), 0.5)})
+        path = tmp_path / "simple.glb"
+        path.write_bytes(to_glb(*character(["jawOpen", "mouthSmileLeft"])))
+        assert left_out(path, Performance(still)) == ("eyeBlinkLeft", "tongueRaise")
+        assert left_out(path, Performance(clip.select(["jawOpen"]))) == ()
+
+    def test_lips_that_the_jaw_shuts_are_not_left_out(self, tmp_path: Path) -> None:
+        path = tmp_path / "simple.glb"
+        path.write_bytes(to_glb(*character(["jawOpen"])))
+        assert left_out(path, Performance(waves("jawOpen", "mouthClose"))) == ()
+
+    def test_after_retargeting_it_is_the_controls_of_the_characters_rig(
+        self, tmp_path: Path
+    ) -> None:
+        path = tmp_path / "avatar.glb"
+        names = [name for name in load_rig("oculus").names if name != "FF"]
+        path.write_bytes(to_glb(*character(names)))
+        assert left_out(path, Performance(read_clip(HELLO_CLIP))) == ("FF",)

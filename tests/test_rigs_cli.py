@@ -9,8 +9,12 @@ from typing import Any
 import pygltflib
 import pytest
 
+from engine_clips import HELLO_CLIP, least_at_closures
 from lipwright.cli import run
+from lipwright.controls import CANONICAL
+from lipwright.export import read_clip
 from lipwright.export.rig_guess import guess_rig
+from lipwright.retarget import retarget
 from lipwright.rig import RIGS, LinearMapping, Rig, load_rig, rig_to_text
 
 NAN = float("nan")
@@ -166,8 +170,19 @@ class TestCheck:
     def test_what_a_rig_does_not_say_is_a_warning(self, capsys: pytest.CaptureFixture[str]) -> None:
         lines = said(["check", write(mirror=[])], capsys)
         assert "54 canonical controls move nothing, and 'lacks' does not say so" in lines[0]
-        assert "'smile_L' and 'smile_R' look like two sides, and are no mirror pair" in lines[1]
-        assert lines[2] == "mine.json: 3 controls, 1 follow"
+        assert "mouthClose moves nothing: the lips will not shut at p, b and m" in lines[1]
+        assert "'smile_L' and 'smile_R' look like two sides, and are no mirror pair" in lines[2]
+        assert lines[3] == "mine.json: 3 controls, 1 follow"
+
+    def test_lips_that_do_not_shut_are_a_warning_until_lacks_says_so(
+        self, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        lacks = {name: "nothing" for name in CANONICAL if name != "jawOpen"}
+        assert not any("p, b and m" in x for x in said(["check", write(lacks=lacks)], capsys))
+        del lacks["mouthClose"]
+        lines = said(["check", write(lacks=lacks)], capsys)
+        assert any("1 canonical control moves nothing, and" in line for line in lines)
+        assert any("the lips will not shut" in line for line in lines)
 
     def test_what_is_lacking_and_followed_at_once_is_a_warning(
         self, capsys: pytest.CaptureFixture[str]
@@ -207,11 +222,21 @@ class TestNew:
         rig = load_rig("hero.json")
         assert rig.names == ("jaw_open", "Smile_L", "mouthSmile_R", "EYEBLINKLEFT", "tail")
         rows = rows_of(rig)
-        assert rows["jaw_open"] == {"jawOpen": 1.0}
+        assert rows["jaw_open"] == {"jawOpen": 1.0, "mouthClose": -1.0}
         assert rows["mouthSmile_R"] == {"mouthSmileRight": 1.0}
         assert rows["EYEBLINKLEFT"] == {"eyeBlinkLeft": 1.0}
         assert rows["Smile_L"] == {"mouthSmileLeft": 1.0}
         assert "resting until you say what they follow: tail" in lines[1]
+        assert "the lips shut with the jaw: jaw_open = jawOpen - mouthClose" in lines[2]
+        clip = read_clip(HELLO_CLIP)
+        least = least_at_closures(retarget(clip, rig).curve("jaw_open"))
+        assert len(least) == 7
+        assert max(least) < 0.02 < min(least_at_closures(clip.curve("jawOpen")))
+
+    def test_a_jaw_beside_mouth_close_opens_alone(self) -> None:
+        guess = guess_rig("hero", ["jawOpen", "mouth_close"])
+        assert rows_of(guess.rig) == {"jawOpen": {"jawOpen": 1.0}, "mouth_close": {"mouthClose": 1}}
+        assert not guess.shutting
 
     @pytest.mark.parametrize(
         ("names", "like"),

@@ -197,4 +197,9 @@ def _guessed(guess: Guess) -> list[str]:
     if resting:
         more = f" and {len(resting) - SHOWN} more" if len(resting) > SHOWN else ""
         lines.append(f"resting until you say what they follow: {', '.join(resting[:SHOWN])}{more}")
+    if guess.shutting:
+        lines.append(
+            "no control is like mouthClose, so the lips shut with the jaw: "
+            f"{', '.join(guess.shutting)} = jawOpen - mouthClose"
+        )
     return lines

@@ -36,7 +36,7 @@ from lipwright.export.performance import ExportOptions, Performance
 from lipwright.export.vrm import Bind, faces_back
 from lipwright.face.turning import head_quaternions, head_turns
 from lipwright.retarget import is_retargetable, retarget
-from lipwright.rig import load_rig
+from lipwright.rig import LinearMapping, Rig, load_rig
 from lipwright.rig.file import RIGS
 
 Floats = npt.NDArray[np.float64]
@@ -73,7 +73,8 @@ def animated(
 ) -> Callable[[], bytes]:
     """The character `options.onto` with the performance, as a function that makes the GLB.
 
-    Canonical curves go to the rig that the file knows best.
+    Canonical curves go to the rig that the file knows best; where it has a jaw and nothing like
+    `mouthClose`, the jaw shuts the lips.
 
     Args:
         path: what will be written; names the animation.
@@ -106,14 +107,58 @@ def animated(
     return lambda: _make(character, clip, path.stem, options.keys, sound)
 
 
+def left_out(character: Path, performance: Performance) -> tuple[str, ...]:
+    """The controls that move in the curves, as they go onto a character, and that it lacks.
+
+    Raises:
+        LipwrightError: the character's file cannot be used.
+    """
+    known = Character(read_gltf(character))
+    clip = _in_its_controls(performance, known)
+    moving = np.ptp(clip.values, axis=0) > 0
+    pairs = zip(clip.names, moving, strict=True)
+    return tuple(name for name, moves in pairs if moves and not known.knows(name))
+
+
 def _in_its_controls(performance: Performance, character: Character) -> Clip:
-    clip = performance.clip
-    if performance.rig is not None or not is_retargetable(clip):
+    clip, rig = performance.clip, performance.rig
+    if not is_retargetable(clip) or (rig is not None and rig.mapping is not None):
         return clip
+    if rig is not None:  # of canonical controls
+        return _with_lips_shut(clip, rig, character)
     name = _rig_of(character)
-    if name is None or (name == OWN_RIG and set(clip.names) & set(CANONICAL)):
+    if name is None:
         return clip
-    return retarget(clip, load_rig(name), performance.track)
+    rig = load_rig(name)
+    if name == OWN_RIG:
+        own = clip if set(clip.names) & set(CANONICAL) else retarget(clip, rig, performance.track)
+        return _with_lips_shut(own, rig, character)
+    return retarget(_with_lips_shut(clip, rig, character), rig, performance.track)
+
+
+def _with_lips_shut(clip: Clip, rig: Rig, character: Character) -> Clip:
+    """Canonical curves of which the jaw shuts the lips, where nothing else of a character does.
+
+    `mouthClose` undoes `jawOpen` about one to one, as `rig_guess` says.
+    """
+    heard = _heard(rig, character)
+    if rig.discrete or "jawOpen" not in heard or "mouthClose" in heard:
+        return clip
+    if not {"jawOpen", "mouthClose"} <= set(clip.names):
+        return clip
+    close = clip.curve("mouthClose")
+    jaw = np.maximum(0.0, clip.curve("jawOpen") - close)
+    return clip.with_curves({"jawOpen": jaw, "mouthClose": np.zeros_like(close)})
+
+
+def _heard(rig: Rig, character: Character) -> set[str]:
+    """The canonical controls that move those of a rig's controls that a character has."""
+    known = {name for name in rig.names if character.knows(name)}
+    if not isinstance(rig.mapping, LinearMapping):
+        return known
+    rows = {name: row for name, row in rig.mapping.rows.items() if name in known}
+    also = tuple(c for c in rig.mapping.correctives if c.control in known)
+    return LinearMapping(rows, also).sources
 
 
 def _make(

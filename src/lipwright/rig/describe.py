@@ -90,10 +90,13 @@ def complaints(rig: Rig) -> Iterator[str]:
     lacking = {side for name in rig.lacks for side in both_sides(name)}
     silent = [name for name in CANONICAL if name not in heard(rig) | lacking]
     if silent and rig.mapping is not None:
+        many = "controls move" if len(silent) > 1 else "control moves"
         yield (
-            f"{len(silent)} canonical controls move nothing, and 'lacks' does not say so: "
+            f"{len(silent)} canonical {many} nothing, and 'lacks' does not say so: "
             f"{_listed(silent)}"
         )
+    if "jawOpen" in heard(rig) and "mouthClose" not in heard(rig) | lacking:
+        yield "mouthClose moves nothing: the lips will not shut at p, b and m"
     if both := [name for name in CANONICAL if name in lacking & heard(rig)]:
         yield f"'lacks' has what the mapping follows: {_listed(both)}"
     yield from _unpaired(rig)
