@@ -131,7 +131,7 @@ class TestMoho:
 class TestPapagayo:
     def test_phrases_part_at_pauses_and_words_hold_what_shows(self, tmp_path: Path) -> None:
         path = tmp_path / "a.pgo"
-        export_all(path, Performance(spoken(), TRACK, "talk/hello.wav"))
+        export_all(path, Performance(spoken(), TRACK, tmp_path / "talk" / "hello.wav"))
         found = read_papagayo(path)
         assert (found.sound, found.fps, found.text) == ("talk/hello.wav", 24, "ah ma|oof")
         assert found.frames == 69  # 2.85 s
@@ -145,6 +145,12 @@ class TestPapagayo:
             assert word.phonemes[0][0] == word.first
         for before, after in pairwise(words):
             assert before.last < after.first
+
+    def test_a_sound_elsewhere_has_its_whole_path(self, tmp_path: Path) -> None:
+        (tmp_path / "out").mkdir()
+        path = tmp_path / "out" / "a.pgo"
+        export_all(path, Performance(spoken(), TRACK, tmp_path / "hello.wav"))
+        assert read_papagayo(path).sound == (tmp_path / "hello.wav").resolve().as_posix()
 
     def test_what_papagayo_plays_is_what_was_chosen(self, tmp_path: Path) -> None:
         path = tmp_path / "a.pgo"

@@ -78,4 +78,13 @@ def sound_name(performance: Performance) -> str:
     path = performance.audio_path
     if path is None:
         return ""
-    return _NOT_TEXT.sub("\ufffd", os.fsencode(path).decode("utf-8", "replace"))
+    return _letters(os.fsencode(path))
+
+
+def as_text(path: Path) -> str:
+    """A path with `/`, in letters that every text file can hold."""
+    return _letters(os.fsencode(path.as_posix()))
+
+
+def _letters(name: bytes) -> str:
+    return _NOT_TEXT.sub("\ufffd", name.decode("utf-8", "replace"))

@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Final
 
 from lipwright.export.drawn import (
+    as_text,
     drawn_fps,
     drawn_shapes,
     shape_frames,
-    sound_name,
 )
 from lipwright.export.performance import ExportOptions, Output, Performance, text_output
 from lipwright.retarget.shapes import ShownShape, rest_shape
@@ -52,7 +52,7 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
     """
     rig, choose = drawn_shapes(path, performance, RIG)
     fps = round(drawn_fps(performance))
-    sound = sound_name(performance) or f"{path.stem}.wav"
+    sound = _sound(path, performance) or f"{path.stem}.wav"
 
     def lines() -> Iterator[str]:
         shown = choose()
@@ -62,6 +62,15 @@ def outputs(path: Path, performance: Performance, options: ExportOptions) -> lis
         yield from _voice_lines(phrases, names)
 
     return [text_output(path, lines)]
+
+
+def _sound(path: Path, performance: Performance) -> str:
+    """The sound from the file's folder where it lies there or below, else its whole path."""
+    if performance.audio_path is None:
+        return ""
+    sound, folder = performance.audio_path.resolve(), path.resolve().parent
+    seen = sound.relative_to(folder) if sound.is_relative_to(folder) else sound
+    return as_text(seen)
 
 
 def _frame_names(shown: tuple[ShownShape, ...], fps: int) -> list[str]:
