@@ -13,6 +13,7 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
+from engine_clips import jaw_of_bones
 from lipwright.cli import run as cli
 from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
@@ -297,3 +298,12 @@ class TestTable:
             "JOINT left_ear", "JOINT right_ear",
         ]  # fmt: skip
         assert [float(n) for n in lines[-1].split()] == [0] * 9 + [45, 0, 0] + [10] + [0] * 5
+
+
+def test_bones_that_follow_no_speech_are_refused_with_the_output_and_the_remedy(
+    tmp_path: Path, head: Head
+) -> None:
+    del head
+    with pytest.raises(LipwrightError, match=r"x\.glb: the rig .*--onto character\.glb"):
+        export_all(tmp_path / "x.glb", jaw_of_bones())
+    assert not list(tmp_path.iterdir())

@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import Clip
+from lipwright.errors import LipwrightError
 from lipwright.export.gltf_curves import Animation, check_clock
 from lipwright.export.gltf_store import INDICES, VERTICES, Json, Store
 from lipwright.export.performance import (
@@ -87,7 +88,14 @@ def _on_bones(
     from lipwright.face.head import load_head
     from lipwright.retarget.skinned import skin_mesh
 
-    skinned = skin_mesh(load_head(), rig)
+    head = load_head()
+    try:
+        skinned = skin_mesh(head, rig)
+    except LipwrightError as error:
+        reason = str(error).partition(";")[0]
+        raise LipwrightError(
+            f"{path}: {reason}; name the character that has them with --onto character.glb"
+        ) from error
 
     def write(part: Path) -> None:
         content = skinned_glb(skinned, rig, clip, name=path.stem, sound=sound, keys=keys)
