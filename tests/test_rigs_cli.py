@@ -227,7 +227,9 @@ class TestNew:
         assert rows["EYEBLINKLEFT"] == {"eyeBlinkLeft": 1.0}
         assert rows["Smile_L"] == {"mouthSmileLeft": 1.0}
         assert "resting until you say what they follow: tail" in lines[1]
-        assert "the lips shut with the jaw: jaw_open = jawOpen - mouthClose" in lines[2]
+        assert (
+            "no mouthClose, so the jaw shuts the lips: jaw_open = jawOpen - mouthClose" in lines[2]
+        )
         clip = read_clip(HELLO_CLIP)
         least = least_at_closures(retarget(clip, rig).curve("jaw_open"))
         assert len(least) == 7

@@ -43,6 +43,7 @@ NEW_EXAMPLES = """\b
 Examples:
   lipwright rigs new hero --controls jaw_open,Smile_L,mouthSmile_R,blink -o hero.json
     hero.json: hero, 4 controls, 4 follow: 3 as in arkit, 1 as in vrm1
+    hero.json: no mouthClose, so the jaw shuts the lips: jaw_open = jawOpen - mouthClose
 \b
   lipwright rigs new hero --from hero.glb -o hero.json     # its morph targets
   lipwright rigs new hero --like vrm1 -o hero.json         # a copy to change
@@ -199,7 +200,7 @@ def _guessed(guess: Guess) -> list[str]:
         lines.append(f"resting until you say what they follow: {', '.join(resting[:SHOWN])}{more}")
     if guess.shutting:
         lines.append(
-            "no control is like mouthClose, so the lips shut with the jaw: "
+            "no mouthClose, so the jaw shuts the lips: "
             f"{', '.join(guess.shutting)} = jawOpen - mouthClose"
         )
     return lines
