@@ -84,6 +84,15 @@ class TestConvert:
         assert {bone.name for bone in load_rig("bones").bones} <= names
 
 
+    def test_curves_that_a_character_lacks_are_named(self, tmp_path: Path) -> None:
+        convert(tmp_path, CLIP, "-o", "head.glb")
+        data = (tmp_path / "head.glb").read_bytes()
+        (tmp_path / "odd.glb").write_bytes(data.replace(b'"mouthFunnel"', b'"mouthFunnex"'))
+        said = convert(tmp_path, CLIP, "--onto", "odd.glb", "-o", "out.glb")
+        assert "warning: odd.glb has no mouthFunnel; left out: 1 of the curves\n" in said
+        assert "warning" not in convert(tmp_path, CLIP, "--onto", "head.glb", "-o", "out.glb")
+
+
 class TestRefused:
     """One line, status 2, and no file."""
 

@@ -30,6 +30,7 @@ from lipwright.cli.outputs import (
     out_option,
     suffix_of,
     targets_of,
+    warn_left_out,
 )
 from lipwright.cli.progress import progress_option, progress_report, warn
 from lipwright.engines import DEFAULT, ENGINES, OF_BIGRAMS, OF_MODELS
@@ -116,6 +117,7 @@ def animate(
     if result.alignment is not None:
         report_misfits(result.alignment, progress)
     _report_missing(options, result.track, progress)
+    warn_left_out(result.performance, wanted, progress)
     say_done(targets, result.track, progress)
 
 

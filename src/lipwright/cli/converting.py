@@ -17,6 +17,7 @@ from lipwright.cli.outputs import (
     out_option,
     suffix_of,
     targets_of,
+    warn_left_out,
 )
 from lipwright.cli.progress import progress_option, progress_report, say
 
@@ -72,6 +73,7 @@ def convert(
         show = replace(options, progress=lambda done, all_: report("video", done / all_))
         moved = for_rig(performance, wanted.load())
         export_targets(moved, targets, suffix_of(format), wanted, show)
+    warn_left_out(moved, wanted, progress)
     if progress != "json":
         for target in targets:
             say(f"{target}: {moved.clip.duration:.1f} s, {len(moved.clip.names)} controls")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lipwright.cli.inputs import STDIN, piped_out
-from lipwright.cli.progress import say
+from lipwright.cli.progress import say, warn
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
@@ -233,6 +233,22 @@ def export_targets(
             say(f"{kept.path}: kept edits of {kept.seconds:.1f} s in {controls}")
     elif files:
         export_all(files, performance, format=suffix, options=options)
+
+
+MOST_LACKING = 6  # controls that are named
+
+
+def warn_left_out(performance: Performance, wanted: Wanted, progress: str) -> None:
+    """Say which of the moving controls the character of `--onto` lacks."""
+    if wanted.onto is None:
+        return
+    from lipwright.export.onto import left_out
+
+    lacking = left_out(wanted.onto, performance)
+    if lacking:
+        more = ", ..." if len(lacking) > MOST_LACKING else ""
+        named = ", ".join(lacking[:MOST_LACKING]) + more
+        warn(f"{wanted.onto} has no {named}; left out: {len(lacking)} of the curves", progress)
 
 
 def pipe(suffix: str | None, write: Callable[[Path], None]) -> None:
