@@ -83,7 +83,6 @@ class TestConvert:
         names = {node.get("name") for node in document["nodes"]}
         assert {bone.name for bone in load_rig("bones").bones} <= names
 
-
     def test_curves_that_a_character_lacks_are_named(self, tmp_path: Path) -> None:
         convert(tmp_path, CLIP, "-o", "head.glb")
         data = (tmp_path / "head.glb").read_bytes()
