@@ -108,6 +108,8 @@ class TestRefused:
             ((CLIP, "-o", "a.mp4", "--edits", "e.json"), ("--edits needs an output that can be",)),
             ((CLIP, "-o", "a.csv", "--of-rig", "vrm1"), ("has none of the controls of the rig",)),
             (("none.json", "-o", "a.csv"), ("none.json",)),
+            (("x.a2f.json", "-o", "a.csv"), ("x.a2f.json: cannot be read back as a clip",)),
+            (("-", "-o", "a.csv"), ("readable are .json, .csv, .livelink.csv",)),
             ((CLIP, "-o", "a.xyz"), ("a.xyz", ".livelink.csv")),
             ((CLIP, "-o", CLIP), ("is also read",)),
             ((CLIP, "-o", "a.mp4", "--size", "7x7"), ("7 x 7",)),

@@ -23,7 +23,8 @@ from lipwright.engines import (
     get_engine,
 )
 from lipwright.errors import LipwrightError
-from lipwright.export import Performance, read_clip, read_performance_json
+from lipwright.export import Performance
+from lipwright.export import read_performance as stored_performance
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
@@ -389,8 +390,7 @@ def read_performance(
     Raises:
         LipwrightError: a file or rig cannot be used, or the curves are none of the rig's.
     """
-    ours = str(path).endswith(".json")
-    found = read_performance_json(path) if ours else Performance(read_clip(path))
+    found = stored_performance(path)
     clip = found.clip
     _check_extent(path, clip, clip.fps)
     if fps is not None and fps != clip.fps:

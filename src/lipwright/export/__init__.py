@@ -35,6 +35,7 @@ __all__ = [
     "read_clip",
     "read_clip_csv",
     "read_clip_json",
+    "read_performance",
     "read_performance_json",
 ]
 
@@ -296,8 +297,28 @@ def read_clip(
     Raises:
         LipwrightError: the format is unknown or cannot be read back, or the file is wrong.
     """
-    exporter = by_suffix(EXPORTERS, path, format, "clip")
+    return _reader(path, format).read(path)
+
+
+def read_performance(path: PathLike) -> Performance:
+    """The curves of a file in a format that can be read back, and in our JSON the track.
+
+    Raises:
+        LipwrightError: as `read_clip`.
+    """
+    exporter = _reader(path, None)
+    if exporter is EXPORTERS[".json"]:
+        return read_performance_json(path)
+    return Performance(exporter.read(path))
+
+
+def _reader(path: PathLike, format: str | None) -> Exporter:  # noqa: A002  # as above
+    known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.reads)
+    unreadable = LipwrightError(f"{path}: cannot be read back as a clip; readable are {known}")
+    try:
+        exporter = by_suffix(EXPORTERS, path, format, "clip")
+    except LipwrightError:
+        raise unreadable from None
     if not exporter.reads:
-        known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.reads)
-        raise LipwrightError(f"{path}: cannot be read back as a clip; readable are {known}")
-    return exporter.read(path)
+        raise unreadable
+    return exporter
