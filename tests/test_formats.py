@@ -183,11 +183,9 @@ class TestFiles:
     def test_an_empty_file_is_refused(self, tmp_path: Path, suffix: str) -> None:
         error_of(tmp_path / f"a{suffix}", b"")
 
-    def test_a_word_that_is_no_text_is_refused_and_nothing_written(self, tmp_path: Path) -> None:
-        track = PhoneTrack(("AA",), np.array([0.0, 1.0]), (Word("\ud800", 0, 1),))
-        with pytest.raises(LipwrightError, match="a word is no valid text"):
-            write_track(tmp_path / "a.textgrid", track)
-        assert list(tmp_path.iterdir()) == []
+    def test_a_word_that_is_no_text_cannot_be_in_a_track(self) -> None:
+        with pytest.raises(ValueError, match="has a control character or half a letter"):
+            PhoneTrack(("AA",), np.array([0.0, 1.0]), (Word("\ud800", 0, 1),))
 
 
 class TestSound:
