@@ -183,6 +183,14 @@ class TestFiles:
     def test_an_empty_file_is_refused(self, tmp_path: Path, suffix: str) -> None:
         error_of(tmp_path / f"a{suffix}", b"")
 
+    def test_a_word_with_a_control_character_is_refused_by_its_place(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.lab"
+        path.write_text("0 1000000 HH 0 a\bb\n1000000 2000000 AH\n")
+        with pytest.raises(
+            LipwrightError, match=r"a\.lab: line 1 .* the word 'a\\x08b' has a control"
+        ):
+            read_track(path)
+
     def test_a_word_that_is_no_text_cannot_be_in_a_track(self) -> None:
         with pytest.raises(ValueError, match="has a control character or half a letter"):
             PhoneTrack(("AA",), np.array([0.0, 1.0]), (Word("\ud800", 0, 1),))

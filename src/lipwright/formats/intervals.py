@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from lipwright.controls import is_text
 from lipwright.errors import LipwrightError
 from lipwright.formats.source import MAX_SECONDS
 from lipwright.phones import (
@@ -179,8 +180,14 @@ def unknown_labels(labels: Iterable[str], alphabet: Alphabet) -> list[str]:
 def _assign_words(
     path: PathLike, edges: Sequence[float], words: Sequence[Interval]
 ) -> tuple[Word, ...]:
-    for word in words:
+    # A word of a track has no white space; a tier may hold "New York".
+    texts = ["_".join(word.label.split()) for word in words]
+    for word, text in zip(words, texts, strict=True):
         _check_times(path, word)
+        if not is_text(text):
+            raise LipwrightError(
+                f"{path}: {word.where}: the word {text[:24]!a} has a control character; delete it"
+            )
     for before, after in pairwise(words):
         if after.start < before.start:
             raise LipwrightError(f"{path}: {after.where}: out of order; sort the words by time")
@@ -191,10 +198,7 @@ def _assign_words(
         index = bisect.bisect_right(starts, middle) - 1
         if index >= 0 and middle < words[index].end and not is_silence_label(words[index].label):
             runs[index] = (runs.get(index, (phone, 0))[0], phone + 1)
-    # A word of a track has no white space; a tier may hold "New York".
-    return tuple(
-        Word("_".join(words[index].label.split()), *run) for index, run in sorted(runs.items())
-    )
+    return tuple(Word(texts[index], *run) for index, run in sorted(runs.items()))
 
 
 def fit_track(
