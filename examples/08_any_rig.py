@@ -12,7 +12,8 @@ import numpy as np
 from crab.model import crab
 
 from lipwright.export import ExportOptions, export_all
-from lipwright.pipeline import for_rig, read_performance
+from lipwright.export.rigged import for_rig
+from lipwright.export.stored import read_performance
 from lipwright.rig import load_rig
 
 here = Path(__file__).parent

@@ -17,9 +17,9 @@ from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import BILABIALS
 from lipwright.export import EXPORTERS, ExportOptions, Performance, in_rig_of, read_performance_json
+from lipwright.export.rigged import for_rig
 from lipwright.face.head import Head
 from lipwright.face.mesh import Mesh
-from lipwright.pipeline import for_rig
 from lipwright.retarget import retarget
 from lipwright.retarget.skinned import posed_at, skin_mesh
 from lipwright.rig import (

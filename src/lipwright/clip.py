@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+MIN_FPS = 0.1  # frames a second; a slower clip has no motion, and a video no clock for it
 MAX_FPS = 1000.0  # frames a second; more is a slip of the pen
 
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lipwright.audio import AudioFile, open_audio
-from lipwright.clip import MAX_FPS, Clip
+from lipwright.clip import Clip
 from lipwright.controls import CANONICAL, HEAD_ANGLES
 from lipwright.engines import (
     OF_BIGRAMS,
@@ -23,8 +23,8 @@ from lipwright.engines import (
     get_engine,
 )
 from lipwright.errors import LipwrightError
-from lipwright.export import Performance
-from lipwright.export import read_performance as stored_performance
+from lipwright.export.performance import Performance, check_rate
+from lipwright.export.rigged import for_rig
 from lipwright.formats import read_track
 from lipwright.formats.intervals import fit_track
 from lipwright.language import get_language, read_dictionary
@@ -49,7 +49,6 @@ Report = Callable[[str, float], None]
 """called with the stage's name and the share of it that is done, 0 to 1"""
 
 ALIGNMENT_RATE = 16000  # Hz, what the aligner hears
-MIN_FPS = 0.1  # a slower clip has no motion, and a video no clock for it
 MOST_WORDS = 20.0  # a second of sound; the fastest speakers reach 11
 SPARE_WORDS = 100  # for notes and marks that are not said
 _FOR_BIGRAMS: Final = (None, OF_BIGRAMS)
@@ -106,7 +105,7 @@ class AnimateOptions:
                 f"--bigrams is for the engine {OF_BIGRAMS}, not for {other}; leave one of them out"
             )
         choose_engine(*self.runs)
-        _check_fps(self.fps)
+        check_rate(self.fps)
         if self.passes is None:
             default_passes(self.intensity, self.intensities)  # refuses what it cannot use
         if self.life or self.seed:
@@ -185,11 +184,6 @@ class AnimateOptions:
         if not phones:
             return tuple(default_passes(self.intensity, self.intensities))
         return tuple(learnt_passes(self.intensity, phones, controls, self.intensities))
-
-
-def _check_fps(fps: float) -> None:
-    if not MIN_FPS <= fps <= MAX_FPS:
-        raise LipwrightError(f"fps is {fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}")
 
 
 def rig_of(bigrams: BigramSet) -> Rig:
@@ -368,73 +362,3 @@ def animate(
         performance = for_rig(Performance(clip, track, speech), rig)
         report("animate", 1.0)
     return Result(performance, found)
-
-
-def read_performance(
-    path: PathLike,
-    *,
-    audio: PathLike | None = None,
-    phones: PathLike | None = None,
-    rig: str | Path | Rig | None = None,
-    fps: float | None = None,
-) -> Performance:
-    """Curves of a file, with what is known beside them.
-
-    Args:
-        path: a clip in a format that can be read back; our JSON may have its phones.
-        audio: their sound.
-        phones: a file of their phones; then those of the clip's file are not used.
-        rig: whose controls they are; None for canonical ones.
-        fps: frames a second; None for those of the file.
-
-    Raises:
-        LipwrightError: a file or rig cannot be used, or the curves are none of the rig's.
-    """
-    found = stored_performance(path)
-    clip = found.clip
-    _check_extent(path, clip, clip.fps)
-    if fps is not None and fps != clip.fps:
-        _check_fps(fps)
-        _check_extent(path, clip, fps)
-        clip = clip.resample(fps)
-    track = found.track if phones is None else read_track(phones)
-    known = rig if rig is None or isinstance(rig, Rig) else load_rig(rig)
-    if known is not None and not set(clip.names) & set(known.names):
-        raise LipwrightError(
-            f"{path}: has none of the controls of the rig {known.name!r}, such as "
-            f"{', '.join(known.names[:3])}; it has {', '.join(clip.names[:3])}"
-        )
-    return Performance(clip, track, audio, known)
-
-
-MAX_CLIP = 12 * 3600.0  # s; formats with a rate of their own need memory by time, not by frames
-MAX_VALUES = 2**28  # of a clip, a gigabyte
-
-
-def _check_extent(path: PathLike, clip: Clip, fps: float) -> None:
-    """Refuse curves that would take more memory than there is."""
-    if clip.fps < MIN_FPS:
-        raise LipwrightError(f"{path}: has {clip.fps:g} frames a second; at least {MIN_FPS:g}")
-    if clip.duration > MAX_CLIP or clip.duration * fps * len(clip.names) > MAX_VALUES:
-        raise LipwrightError(
-            f"{path}: lasts {clip.duration:.0f} s, with {len(clip.names)} controls at {fps:g} "
-            "frames a second; convert it in parts"
-        )
-
-
-def for_rig(performance: Performance, rig: Rig | None) -> Performance:
-    """The performance in the controls of a rig; as it is without one.
-
-    Curves of another rig go by what that looks like on a human face.
-
-    Raises:
-        LipwrightError: the curves cannot move the rig.
-    """
-    own, clip = performance.rig, performance.clip
-    if rig is None or (own is not None and own.name == rig.name):
-        return performance
-    if own is not None and own.looks:
-        clip = own.to_canonical(clip)
-    from lipwright.retarget import retarget
-
-    return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)

@@ -99,7 +99,7 @@ def animate(
     if phones is not None and dictionary is not None:
         raise LipwrightError(f"{dictionary}: --phones needs no dictionary; leave one of them out")
     options = AnimateOptions(
-        engine=engine, model=model, bigrams=bigrams, fps=fps, rig=wanted.rig,
+        engine=engine, model=model, bigrams=bigrams, fps=fps, rig=wanted.target,
         intensity=layers.intensity, intensities=layers.intensities, expressions=layers.expressions,
         life=layers.life, seed=layers.seed,
     )  # fmt: skip

@@ -58,7 +58,8 @@ def convert(
     from dataclasses import replace
 
     from lipwright.export import EXPORTERS
-    from lipwright.pipeline import for_rig, read_performance
+    from lipwright.export.rigged import for_rig
+    from lipwright.export.stored import read_performance
 
     targets = targets_of(out, EXPORTERS, format)
     options = wanted.options(clip.stem)
@@ -71,7 +72,7 @@ def convert(
     ))  # fmt: skip
     with progress_report(progress) as report:
         show = replace(options, progress=lambda done, all_: report("video", done / all_))
-        moved = for_rig(performance, wanted.load())
+        moved = for_rig(performance, wanted.target)
         export_targets(moved, targets, suffix_of(format), wanted, show)
     warn_left_out(moved, wanted, progress)
     if progress != "json":

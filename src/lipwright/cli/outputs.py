@@ -48,7 +48,8 @@ class Wanted:
         named = (self.rig, self.onto, self.edits)
         return tuple(name for name in named if name is not None)
 
-    def load(self) -> Rig | None:
+    @functools.cached_property
+    def target(self) -> Rig | None:
         """The rig.
 
         Raises:
@@ -85,14 +86,14 @@ class Wanted:
         Raises:
             LipwrightError: there is one.
         """
-        from lipwright.edits.keeping import edited_output
-
         names = [f"out{suffix}" if suffix else target for target in targets]
         if self.onto is not None and not any(name.endswith(".glb") for name in names):
             raise LipwrightError(f"--onto {self.onto}: only a GLB has a character; add -o NAME.glb")
         if self.edits is not None:
+            from lipwright.edits.keeping import edited_output
+
             files = [target for target in targets if target != STDIN]
-            edited_output(files, self.load(), self.onto, suffix)
+            edited_output(files, self.target, self.onto, suffix)
 
 
 def character_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -177,7 +178,7 @@ def exporters_of(
 
     found = [by_suffix(EXPORTERS, Path(target), suffix, "export") for target in targets]
     wanted.check(targets, suffix)
-    rig = wanted.load()
+    rig = wanted.target
     for target, exporter in zip(targets, found, strict=True):
         if wanted.onto is None or not exporter.shows:
             exporter.prepare()

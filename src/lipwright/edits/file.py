@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from lipwright.clip import MAX_FPS, Clip
+from lipwright.clip import MAX_FPS, MIN_FPS, Clip
 from lipwright.edits.values import Edits
 from lipwright.errors import LipwrightError
 from lipwright.export.jsonclip import check_names
@@ -18,7 +18,6 @@ from lipwright.formats.jsontrack import dump, is_number, json_to_track, parse_js
 
 FORMAT: Final = "lipwright-edits"
 VERSION: Final = 1
-MIN_FPS: Final = 0.1  # frames a second; fewer are a slip of the pen
 LARGEST: Final = 1e30  # units of a control; sums of a few stay within float32
 DECIMALS: Final = 7  # of units of a control: what float32 holds
 

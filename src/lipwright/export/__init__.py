@@ -6,7 +6,7 @@ import os
 import tempfile
 from collections.abc import Iterable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -18,6 +18,7 @@ from lipwright.errors import LipwrightError
 from lipwright.export.csvclip import read_clip_csv
 from lipwright.export.jsonclip import read_clip_json, read_performance_json
 from lipwright.export.performance import ExportOptions, Output, PathLike, Performance
+from lipwright.export.rigged import as_seen, for_rig
 from lipwright.files import write_whole
 from lipwright.formats.suffixes import by_suffix
 from lipwright.rig import load_rig
@@ -35,8 +36,8 @@ __all__ = [
     "read_clip",
     "read_clip_csv",
     "read_clip_json",
-    "read_performance",
     "read_performance_json",
+    "reader_of",
 ]
 
 
@@ -215,22 +216,18 @@ def in_rig_of(exporter: Exporter, performance: Performance, options: ExportOptio
     Raises:
         LipwrightError: the exporter's rig does not say how it follows speech.
     """
-    own, clip = performance.rig, performance.clip
+    own = performance.rig
     of_head = exporter.shows and options.onto is None and options.character is None
     wanted = CANONICAL_RIG if of_head else exporter.rig
     if not wanted or (own is not None and own.name == wanted):
         return performance
-    if own is not None and own.looks:
-        clip = own.to_canonical(clip)
-        performance = replace(performance, clip=clip, rig=None)
+    seen = as_seen(performance)
     if of_head:
-        return performance
-    from lipwright.retarget import is_retargetable, retarget
+        return seen
+    from lipwright.retarget import is_retargetable
 
-    if not is_retargetable(clip):
-        return performance  # the exporter says what it misses
-    rig = load_rig(wanted)
-    return replace(performance, clip=retarget(clip, rig, performance.track), rig=rig)
+    # Where it is not, the exporter says what it misses.
+    return for_rig(seen, load_rig(wanted)) if is_retargetable(seen.clip) else seen
 
 
 def check_targets(
@@ -297,22 +294,18 @@ def read_clip(
     Raises:
         LipwrightError: the format is unknown or cannot be read back, or the file is wrong.
     """
-    return _reader(path, format).read(path)
+    return reader_of(path, format).read(path)
 
 
-def read_performance(path: PathLike) -> Performance:
-    """The curves of a file in a format that can be read back, and in our JSON the track.
+def reader_of(
+    path: PathLike,
+    format: str | None = None,  # noqa: A002  # as the command line calls it
+) -> Exporter:
+    """The exporter whose files are read back like this one.
 
     Raises:
-        LipwrightError: as `read_clip`.
+        LipwrightError: there is none; lists those that can be read back.
     """
-    exporter = _reader(path, None)
-    if exporter is EXPORTERS[".json"]:
-        return read_performance_json(path)
-    return Performance(exporter.read(path))
-
-
-def _reader(path: PathLike, format: str | None) -> Exporter:  # noqa: A002  # as above
     known = ", ".join(suffix for suffix, entry in EXPORTERS.items() if entry.reads)
     unreadable = LipwrightError(f"{path}: cannot be read back as a clip; readable are {known}")
     try:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.audio import Sound, open_audio
-from lipwright.clip import Clip
+from lipwright.clip import MAX_FPS, MIN_FPS, Clip
 from lipwright.errors import LipwrightError
 from lipwright.rig import Rig
 from lipwright.track import PhoneTrack
@@ -113,6 +113,16 @@ class Output:
     """where it will be"""
     write: Callable[[Path], None]
     """writes it to another path first"""
+
+
+def check_rate(fps: float) -> None:
+    """Refuse a frame rate that curves are not made at.
+
+    Raises:
+        LipwrightError: it is below `MIN_FPS` or above `MAX_FPS`.
+    """
+    if not MIN_FPS <= fps <= MAX_FPS:
+        raise LipwrightError(f"fps is {fps:g}; give a number from {MIN_FPS:g} to {MAX_FPS:.0f}")
 
 
 def rounded_rows(values: npt.NDArray[np.float32], decimals: int) -> Iterator[list[float]]:

@@ -8,7 +8,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Protocol
 
-from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.formats import ctm, htk, jsontrack, mbrola, textgrid
 from lipwright.formats.suffixes import by_suffix
@@ -93,9 +92,6 @@ def write_track(
         LipwrightError: the format is unknown, cannot hold the track, or the file cannot be written.
     """
     entry = by_suffix(TRACK_FORMATS, path, format, "phone track")
-    try:
-        content = entry.to_text(Path(path), track).encode("utf-8")
-    except UnicodeEncodeError as error:
-        raise LipwrightError(f"{path}: a word is no valid text: {error.reason}") from None
+    content = entry.to_text(Path(path), track).encode("utf-8")
     with write_whole(path) as part:
         part.write_bytes(content)
