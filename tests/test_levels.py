@@ -23,10 +23,10 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
         (
             ("errors", "version"),
             ("files", "lock", "npz", "phones", "controls"),
-            ("wheels", "decode"),
+            ("wheels", "decode", "espeak"),
             ("audio", "track", "clip", "curves"),
             ("formats", "language", "face", "keys"),
-            ("speech", "dataset"),
+            ("speech", "dataset", "streams"),
             ("features",),
             ("network", "bigrams"),
             ("engines",),

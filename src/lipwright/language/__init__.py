@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from types import MappingProxyType
-from typing import Final
+from typing import Final, cast
 
 from lipwright.errors import LipwrightError
-from lipwright.language.base import Language, Pronunciation, SpokenWord
+from lipwright.language.base import Language, Phoneme, Pronunciation, SpokenWord
 from lipwright.language.dictionary import Dictionary, read_dictionary
 
 __all__ = [
     "LANGUAGES",
     "Dictionary",
     "Language",
+    "Phoneme",
     "Pronunciation",
     "SpokenWord",
     "get_language",
     "read_dictionary",
 ]
 
-
-def _english() -> Language:
-    from lipwright.language.english import English
-
-    return English()
-
-
-def _mandarin() -> Language:
-    from lipwright.language.mandarin import Mandarin
-
-    return Mandarin()
-
-
-LANGUAGES: Final = MappingProxyType[str, Callable[[], Language]]({"en": _english, "cmn": _mandarin})
-"""code to what makes the language"""
+LANGUAGES: Final = MappingProxyType({
+    "en": "lipwright.language.english",
+    "cmn": "lipwright.language.mandarin",
+})  # fmt: skip
+"""code to the module that makes the language, by its function `make(code) -> Language`"""
 
 
 @cache
@@ -49,4 +40,4 @@ def get_language(code: str) -> Language:
         raise LipwrightError(
             f"unknown language {code!r}; use one of: {', '.join(LANGUAGES)}, or give phones"
         )
-    return LANGUAGES[code]()
+    return cast(Language, import_module(LANGUAGES[code]).make(code))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -38,12 +39,32 @@ class Pronunciation:
     source: Source
     """the user's dictionary, the lexicon, a rule on words of the lexicon, or
     grapheme-to-phoneme conversion"""
+    ipa: tuple[str, ...] = ()
+    """the sounds of the language behind `phones`, one for one, in IPA without stress, length kept:
+    "x" where `phones` has K, which looks alike; () where the phones are the sounds"""
+    stress: tuple[int | None, ...] = ()
+    """one for each phone, as in a phone track; () is all None"""
 
     def __post_init__(self) -> None:
         """Check."""
         unknown = [phone for phone in self.phones if phone not in PHONES or phone == SILENCE]
         if unknown or not self.phones:
             raise ValueError(f"a pronunciation of the phones {self.phones}")
+        for row in (self.ipa, self.stress):
+            if row and len(row) != len(self.phones):
+                raise ValueError(f"{row} beside the phones {self.phones}")
+
+
+@dataclass(frozen=True)
+class Phoneme:
+    """One sound of a language and the phone that stands for it on a face."""
+
+    ipa: str
+    """as the language's text front end writes it, length mark included: "ɑː" """
+    phones: tuple[str, ...]
+    """symbols of the phone table that show it, most often one"""
+    example: str
+    """a word of the language, with the sound's letters in capitals: "gAta" """
 
 
 class Language(Protocol):
@@ -76,3 +97,26 @@ class Language(Protocol):
         Raises:
             LipwrightError: the word has characters that cannot be spoken.
         """
+
+    def pronounce_all(
+        self, words: Sequence[SpokenWord], dictionary: Dictionary | None = None
+    ) -> tuple[tuple[Pronunciation, ...], ...]:
+        """The ways to say each word where it stands, the most usual first; at least one each.
+
+        Words change their neighbours: Swedish "har du" has one retroflex stop. A language whose
+        words do not gives `each_alone`.
+
+        Raises:
+            LipwrightError: a word has characters that cannot be spoken.
+        """
+
+    def inventory(self) -> tuple[Phoneme, ...]:
+        """Every sound that the language's pronunciations may have."""
+
+
+def each_alone(
+    language: Language, words: Sequence[SpokenWord], dictionary: Dictionary | None = None
+) -> tuple[tuple[Pronunciation, ...], ...]:
+    """The ways to say each word, whatever its neighbours; for `Language.pronounce_all`."""
+    ways = {text: language.pronounce(text, dictionary) for text in {word.text for word in words}}
+    return tuple(ways[word.text] for word in words)

@@ -66,7 +66,7 @@ class SphinxAligner:
         static, costs = static_features(power), costs_for(dynamic_range(power))
         del power
         report(_HEARD)
-        rows = [_spoken_row(word, language, dictionary) for word in words]
+        rows = _spoken_rows(words, language, dictionary)
         scores = Scores(load_model(), static)
         graph = build_graph(scores.model, [row.model_phones for row in rows])
         search = Search(graph, scores, costs)
@@ -74,18 +74,18 @@ class SphinxAligner:
         return to_alignment(Judge(search, path, rows).judge(), rows, audio)
 
 
-def _spoken_row(word: SpokenWord, language: str, dictionary: Dictionary | None) -> SpokenRow:
-    phones = _pronounce(word, language, dictionary)
-    return SpokenRow(word, phones, tuple(map(model_phones, phones)))
-
-
-def _pronounce(
-    word: SpokenWord, language: str, dictionary: Dictionary | None
-) -> tuple[tuple[str, ...], ...]:
+def _spoken_rows(
+    words: Sequence[SpokenWord], language: str, dictionary: Dictionary | None
+) -> list[SpokenRow]:
     from lipwright.language import get_language
 
-    found = get_language(language).pronounce(word.text, dictionary)
-    return tuple(pronunciation.phones for pronunciation in found)
+    rows = []
+    for word, ways in zip(
+        words, get_language(language).pronounce_all(words, dictionary), strict=True
+    ):
+        phones = tuple(way.phones for way in ways)
+        rows.append(SpokenRow(word, phones, tuple(map(model_phones, phones))))
+    return rows
 
 
 @cache

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Final
 
 from lipwright.errors import LipwrightError
-from lipwright.language.base import Pronunciation, SpokenWord
+from lipwright.language.base import Phoneme, Pronunciation, SpokenWord, each_alone
 from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.english.pronounce import (
     by_ending,
@@ -19,6 +20,7 @@ from lipwright.language.english.pronounce import (
 from lipwright.language.english.tables import ALSO_SAID
 from lipwright.language.english.text import Reader
 from lipwright.language.lexicon import Lexicon
+from lipwright.phones import ARPABET, PHONES, SILENCE
 
 _LETTERS: Final = re.compile(r"[a-z]+")
 
@@ -71,6 +73,17 @@ class English:
             return tuple(Pronunciation(way, "rule") for way in ways)
         return self._guessed(word)
 
+    def pronounce_all(
+        self, words: Sequence[SpokenWord], dictionary: Dictionary | None = None
+    ) -> tuple[tuple[Pronunciation, ...], ...]:
+        """The ways to say each word, whatever its neighbours."""
+        return each_alone(self, words, dictionary)
+
+    def inventory(self) -> tuple[Phoneme, ...]:
+        """The phones of ARPABET."""
+        spoken = (PHONES[symbol] for symbol in PHONES if symbol in ARPABET - {SILENCE})
+        return tuple(Phoneme(phone.ipa, (phone.symbol,), phone.example) for phone in spoken)
+
     def _known(self, word: str, dictionary: Dictionary | None) -> tuple[tuple[str, ...], ...]:
         ways = dictionary.lookup(word) if dictionary else ()
         return ways or self.lexicon.lookup(word)
@@ -95,3 +108,9 @@ class English:
             return (guess,)
         rule = Pronunciation(compound, "rule")
         return (rule, guess) if sure else (guess, rule)
+
+
+def make(code: str) -> English:
+    """The language of `LANGUAGES`."""
+    del code
+    return English()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from typing import Final
 
 from lipwright.errors import LipwrightError
-from lipwright.language.base import Pronunciation, SpokenWord
+from lipwright.language.base import Phoneme, Pronunciation, SpokenWord, each_alone
 from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
 from lipwright.language.mandarin.syllables import syllable_phones
@@ -65,6 +66,22 @@ class Mandarin:
             raise LipwrightError(f"{word!r} has no letters")
         phones = [phone for syllable in syllables for phone in syllable_phones(syllable)]
         return (Pronunciation(tuple(phones), "rule"),)
+
+    def pronounce_all(
+        self, words: Sequence[SpokenWord], dictionary: Dictionary | None = None
+    ) -> tuple[tuple[Pronunciation, ...], ...]:
+        """The ways to say each word, whatever its neighbours."""
+        return each_alone(self, words, dictionary)
+
+    def inventory(self) -> tuple[Phoneme, ...]:
+        """The sounds of the initials and finals."""
+        return ()
+
+
+def make(code: str) -> Mandarin:
+    """The language of `LANGUAGES`."""
+    del code
+    return Mandarin()
 
 
 def _read(written: str, place: tuple[str, int, int], dictionary: Dictionary | None) -> str:
