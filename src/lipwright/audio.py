@@ -293,6 +293,17 @@ def _resampler(own: int, rate: int) -> Resampler:
     return cast("Resampler", ResampleStream(own, rate, 1, dtype="float32").resample_chunk)
 
 
+def resampled(sound: Audio, rate: int) -> Audio:
+    """The same sound at `rate` Hz.
+
+    Raises:
+        ValueError: the rate is out of range.
+    """
+    if not MIN_RATE <= rate <= MAX_RATE:
+        raise ValueError(f"rate is {rate}, not {MIN_RATE} to {MAX_RATE} Hz")
+    return Audio(_resampler(sound.rate, rate)(sound.samples, True), rate)
+
+
 def write_wav(path: str | os.PathLike[str], sound: Sound) -> None:
     """Write 16-bit PCM, whole or not at all; louder samples than full scale are clipped.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, Literal, Protocol, TypeAlias, cast
 from lipwright.errors import LipwrightError
 
 if TYPE_CHECKING:
-    from lipwright.audio import AudioFile
+    from lipwright.audio import Sound
     from lipwright.bigrams.values import BigramSet
     from lipwright.clip import Clip
     from lipwright.network import Network
@@ -31,7 +31,7 @@ Model: TypeAlias = "str | Path | BigramSet | None"
 class Engine(Protocol):
     """What every engine does."""
 
-    def __call__(self, track: PhoneTrack, fps: float, audio: AudioFile | None = None) -> Clip:
+    def __call__(self, track: PhoneTrack, fps: float, audio: Sound | None = None) -> Clip:
         """The motion that says `track`, from 0 s to its end.
 
         Args:

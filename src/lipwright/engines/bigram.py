@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from lipwright.audio import AudioFile
+from lipwright.audio import Sound
 from lipwright.bigrams.families import load_bigrams
 from lipwright.bigrams.runtime import stitch
 from lipwright.bigrams.values import BigramSet
@@ -34,7 +34,7 @@ def open_set(model: str | Path | BigramSet | None = None) -> BigramSet:
 def animate(
     track: PhoneTrack,
     fps: float,
-    audio: AudioFile | None = None,
+    audio: Sound | None = None,
     model: str | Path | BigramSet | None = None,
 ) -> Clip:
     """The stitched curves of a track, in the poses of the set `model`.

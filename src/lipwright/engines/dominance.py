@@ -23,7 +23,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.audio import AudioFile
+from lipwright.audio import Sound
 from lipwright.clip import Clip, frame_times
 from lipwright.controls import CANONICAL
 from lipwright.phones import PHONES, nearest_phones
@@ -184,7 +184,7 @@ def _chunk(track: PhoneTrack, times: npt.NDArray[np.float64]) -> npt.NDArray[np.
     return values
 
 
-def animate(track: PhoneTrack, fps: float, audio: AudioFile | None = None) -> Clip:
+def animate(track: PhoneTrack, fps: float, audio: Sound | None = None) -> Clip:
     """The motion of a track, in the canonical controls; `audio` is not listened to."""
     del audio
     times = frame_times(track.end, fps)
