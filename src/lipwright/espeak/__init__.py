@@ -1,0 +1,274 @@
+"""espeak-ng: IPA and speech in over a hundred languages, from a process of its own.
+
+espeak-ng is GPL, so it is never loaded into ours: `child.py` holds it, and we send text and get
+IPA, sound and times back. The extra `espeak` brings the library; else that of the system is used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from lipwright.errors import LipwrightError
+from lipwright.espeak.process import EXTRA, KEEPER, find_library
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+__all__ = [
+    "EXTRA",
+    "EspeakLanguage",
+    "PhoneEvent",
+    "Speech",
+    "WordEvent",
+    "is_available",
+    "languages",
+    "speak",
+    "to_ipa",
+    "version",
+    "words_to_ipa",
+]
+
+MAX_CHARACTERS: Final = 100_000
+"""in a request; longer texts are given in parts"""
+MAX_SECONDS: Final = 3600.0
+"""of sound from a request"""
+WORDS_PER_MINUTE: Final = 175
+"""espeak-ng's own speed, `espeakRATE_NORMAL` in speak_lib.h"""
+MIN_WORDS_PER_MINUTE: Final = 80  # speak_lib.h: espeakRATE
+MAX_WORDS_PER_MINUTE: Final = 900
+_SAMPLE_RATE: Final = 22_050  # Hz, of every voice that is not MBROLA's
+_TIMEOUT: Final = 20.0  # s; and for each character, which takes about 0.1 ms:
+_TIMEOUT_PER_CHARACTER: Final = 0.01
+_SWITCH: Final = re.compile(r"\([a-z][a-zA-Z-]*\)")  # "(en)": from here on in that language
+_VOICE: Final = re.compile(r"([A-Za-z0-9-]+)(?:\+([A-Za-z0-9_-]{1,30}))?")
+
+
+@dataclass(frozen=True)
+class EspeakLanguage:
+    """A voice of espeak-ng by the language that it speaks."""
+
+    code: str
+    """as `to_ipa` and `speak` take it, in lower case: "sv", "en-gb", "cmn-latn-pinyin" """
+    name: str
+    """in English, such as "Swedish" """
+    codes: tuple[str, ...]
+    """every language code that the voice gives itself, the main one first"""
+    identifier: str
+    """its file, such as "gmq/sv" """
+
+
+@dataclass(frozen=True)
+class PhoneEvent:
+    """Where espeak-ng says that a sound begins."""
+
+    start: float
+    """s"""
+    label: str
+    """IPA with stress and length marks, or a mnemonic where these were asked for; "" a pause. Up
+    to 8 bytes of UTF-8; longer IPA ends there"""
+    position: int
+    """of the word that it belongs to: index of the character in the text"""
+
+
+@dataclass(frozen=True)
+class WordEvent:
+    """Where espeak-ng says that a word begins."""
+
+    start: float
+    """s"""
+    position: int
+    """index of its first character in the text"""
+    length: int
+    """characters"""
+
+
+@dataclass(frozen=True, eq=False)
+class Speech:
+    """What espeak-ng has said."""
+
+    samples: npt.NDArray[np.float32]
+    """(N,), full scale is 1; read-only"""
+    rate: int
+    """samples a second"""
+    phones: tuple[PhoneEvent, ...]
+    """in order of their starts"""
+    words: tuple[WordEvent, ...]
+    """in order of their starts"""
+
+
+def is_available() -> bool:
+    """Whether espeak-ng is installed, in a version that we can use."""
+    if find_library() is None:
+        return False
+    try:
+        version()
+    except LipwrightError:
+        return False
+    return True
+
+
+def version() -> str:
+    """Of espeak-ng, such as "1.52.0".
+
+    Raises:
+        MissingExtraError: espeak-ng is not installed.
+        LipwrightError: it is too old or cannot be loaded.
+    """
+    return KEEPER.version()
+
+
+@cache
+def languages() -> tuple[EspeakLanguage, ...]:
+    """What espeak-ng speaks, in order of code; a code that two voices share is named once.
+
+    Raises:
+        LipwrightError: as `version`.
+    """
+    found: dict[str, EspeakLanguage] = {}
+    for identifier, name, codes in _ask({"verb": "voices"}, 0)[0]["voices"]:
+        # Variants change the timbre alone; MBROLA voices need files that are not here.
+        if codes and not identifier.startswith(("!v/", "mb/")):
+            code = identifier.rpartition("/")[2].lower() if codes[0] in found else codes[0].lower()
+            language = EspeakLanguage(code, name.strip(), tuple(codes), identifier)
+            found.setdefault(code, language)
+    return tuple(found[code] for code in sorted(found))
+
+
+def to_ipa(text: str, language: str, separator: str = "") -> str:
+    """The IPA of a text: words with spaces between them, a line for each clause.
+
+    Stress and length marks stay; marks of a change of language are dropped.
+
+    Args:
+        text: plain text.
+        language: a code of `languages()`.
+        separator: one character between the phonemes of a word, or "".
+
+    Raises:
+        LipwrightError: no such language, a character that cannot be said, or as `version`.
+    """
+    return words_to_ipa((text,), language, separator)[0]
+
+
+def words_to_ipa(texts: Sequence[str], language: str, separator: str = "") -> tuple[str, ...]:
+    """The IPA of each text alone, in one request; as `to_ipa`.
+
+    Raises:
+        LipwrightError: as `to_ipa`.
+    """
+    if len(separator) > 1:
+        raise ValueError(f"the separator {separator!r} is more than one character")
+    voice = _checked_voice(language)
+    plain = [_plain(text) for text in texts]
+    count = sum(map(len, plain)) + len(plain)
+    request = {"verb": "ipa", "voice": voice, "texts": plain, "separator": separator}
+    answer, _ = _ask(request, count)
+    return tuple(_without_switches(ipa, separator) for ipa in answer["ipa"])
+
+
+def speak(
+    text: str, voice: str, *, words_per_minute: int = WORDS_PER_MINUTE, pitch: int = 50,
+    pitch_range: int = 50, ssml: bool = False, phoneme_input: bool = False,
+    mnemonics: bool = False,
+) -> Speech:  # fmt: skip
+    """Say a text.
+
+    Args:
+        text: plain text; SSML or [[mnemonics]] only where the next arguments say so.
+        voice: a code of `languages()`, with a variant if wanted: "sv", "sv+f2".
+        words_per_minute: the speed, MIN_WORDS_PER_MINUTE to MAX_WORDS_PER_MINUTE.
+        pitch: 0 to 100; 50 is the voice's own.
+        pitch_range: 0 (monotone) to 100; 50 is the voice's own.
+        ssml: the text is SSML.
+        phoneme_input: [[...]] in the text is espeak-ng's phoneme mnemonics.
+        mnemonics: phone events carry mnemonics instead of IPA.
+
+    Raises:
+        LipwrightError: no such voice, a character that cannot be said, or as `version`.
+    """
+    if not MIN_WORDS_PER_MINUTE <= words_per_minute <= MAX_WORDS_PER_MINUTE:
+        raise ValueError(f"{words_per_minute} words a minute")
+    if not (0 <= pitch <= 100 and 0 <= pitch_range <= 100):
+        raise ValueError(f"the pitch {pitch} and its range {pitch_range}")
+    said = _plain(text, brackets=phoneme_input)
+    request = {
+        "verb": "speak", "voice": _checked_voice(voice), "text": said, "ssml": ssml,
+        "wpm": words_per_minute, "pitch": pitch, "range": pitch_range, "phonemes": phoneme_input,
+        "mnemonics": mnemonics, "most_samples": round(MAX_SECONDS * _SAMPLE_RATE),
+    }  # fmt: skip
+    answer, pcm = _ask(request, len(said))
+    return _speech(answer, pcm)
+
+
+def _speech(answer: dict[str, Any], pcm: bytes) -> Speech:
+    import numpy as np
+
+    samples = np.frombuffer(pcm, "<i2").astype(np.float32) / np.float32(32768)
+    samples.setflags(write=False)
+    rate = int(answer["rate"])
+    phones, words = [], []
+    for kind, sample, position, length, label in answer["events"]:
+        if kind == 1:
+            words.append(WordEvent(sample / rate, max(position - 1, 0), length))
+        elif not _SWITCH.fullmatch(label):
+            phones.append(PhoneEvent(sample / rate, label, max(position - 1, 0)))
+    return Speech(samples, rate, tuple(phones), tuple(words))
+
+
+def _ask(request: dict[str, Any], characters: int) -> tuple[dict[str, Any], bytes]:
+    timeout = _TIMEOUT + _TIMEOUT_PER_CHARACTER * characters
+    header, pcm = KEEPER.ask(request, timeout)
+    if "refused" in header:
+        raise LipwrightError(f"espeak-ng {header['refused']}; try other or less text")
+    return header, pcm
+
+
+def _checked_voice(voice: str) -> str:
+    """The voice as espeak-ng is told, which must not take a name for a path."""
+    known = {language.code: language for language in languages()}
+    match = _VOICE.fullmatch(voice)
+    code = "" if match is None else match[1].lower()
+    also = {other.lower(): language.code for language in reversed(known.values())
+            for other in language.codes}  # fmt: skip
+    code = code if code in known else also.get(code, "")
+    if match is None or not code:
+        raise LipwrightError(
+            f"espeak-ng has no voice {voice[:80]!r}; use one of: {', '.join(sorted(known))}"
+        )
+    return known[code].identifier + (f"+{match[2]}" if match[2] else "")
+
+
+def _plain(text: str, brackets: bool = False) -> str:
+    """The text as espeak-ng may have it: no control characters, no mnemonics unasked."""
+    if len(text) > MAX_CHARACTERS:
+        raise LipwrightError(
+            f"a text of {len(text)} characters is too long for espeak-ng at once; give it in "
+            f"parts of at most {MAX_CHARACTERS}"
+        )
+    for index, letter in enumerate(text):
+        if (ord(letter) < 32 and letter not in "\n\r\t") or 0x7F <= ord(letter) < 0xA0:
+            raise LipwrightError(
+                f"character {index + 1} of {text[:40]!a} is the control character "
+                f"U+{ord(letter):04X}; remove it"
+            )
+        if 0xD800 <= ord(letter) < 0xE000:
+            raise LipwrightError(
+                f"character {index + 1} of {text[:40]!a} is half a letter; save the text as UTF-8"
+            )
+    return text if brackets else text.replace("[[", "((")
+
+
+def _without_switches(ipa: str, separator: str) -> str:
+    """The IPA of a text without the marks; separators only between phonemes."""
+    ipa = _SWITCH.sub("", ipa)
+    if separator:
+        doubled = re.escape(separator)
+        ipa = re.sub(
+            f"{doubled}*( |\n|^|$){doubled}*", r"\1", re.sub(f"{doubled}+", separator, ipa)
+        )
+    return re.sub(r" +", " ", ipa).strip()
