@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from lipwright.speech.graph import FILLER_WORD, Graph
 from lipwright.speech.search import Segment
+from lipwright.speech.units import Units
 
 if TYPE_CHECKING:
     from lipwright.language import SpokenWord
@@ -36,8 +38,13 @@ class SpokenRow:
     word: SpokenWord
     phones: tuple[tuple[str, ...], ...]
     """symbols of the phone table, for each pronunciation"""
-    model_phones: tuple[tuple[str, ...], ...]
-    """the same as the acoustic model knows them"""
+    units: tuple[tuple[Units, ...], ...]
+    """for each pronunciation, the units of the acoustic model that each of its phones becomes"""
+
+    @property
+    def model_phones(self) -> tuple[tuple[str, ...], ...]:
+        """The units of each pronunciation in a row."""
+        return tuple(tuple(chain.from_iterable(way)) for way in self.units)
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,7 @@ class PlacedWord:
     pronunciation: int
     """index among the ways to say it"""
     segments: tuple[Segment, ...]
-    """one a phone"""
+    """one a unit of the acoustic model"""
 
     @property
     def start(self) -> int:

@@ -79,11 +79,17 @@ def _track(
             edges.append(start)
         first = len(phones)
         phones += row.phones[word.pronunciation]
-        edges += [_seconds(segment.stop, duration) for segment in word.segments]
+        edges += [_seconds(stop, duration) for stop in _phone_stops(word, row)]
         placed.append(
             Word(row.word.text, first, len(phones), confidence(word.score + allowance))
         )  # fmt: skip
     return PhoneTrack(tuple(phones), _rising(edges, duration), tuple(placed)).padded(0.0, duration)
+
+
+def _phone_stops(word: PlacedWord, row: SpokenRow) -> list[int]:
+    """The frame after each phone of the word, whatever lies between the units inside it."""
+    last_units = np.cumsum([len(units) for units in row.units[word.pronunciation]]) - 1
+    return [word.segments[i].stop for i in last_units]
 
 
 def _rising(

@@ -1,4 +1,6 @@
-"""Forced alignment with the English acoustic model of pocketsphinx.
+"""Forced alignment with the English acoustic model of pocketsphinx, for any language.
+
+The sounds of other languages become the units of the model that sound most like them (`units`).
 
 The search is ours, since that of pocketsphinx gives up on a transcript with one wrong word, takes
 1.2 GB for three minutes and cannot be stopped; the model and its front end are the same.
@@ -7,12 +9,10 @@ The search is ours, since that of pocketsphinx gives up on a transcript with one
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from lipwright.errors import LipwrightError
-from lipwright.phones import nearest_phones
-from lipwright.speech.acoustic import FILLERS, AcousticModel, load_model, model_folder
+from lipwright.speech.acoustic import load_model, model_folder
 from lipwright.speech.aligner import Alignment, Progress
 from lipwright.speech.fit import SpokenRow
 from lipwright.speech.graph import build_graph
@@ -22,6 +22,7 @@ from lipwright.speech.recording import SILENT_DB, dynamic_range, levels, spectra
 from lipwright.speech.repair import Judge
 from lipwright.speech.scores import Scores
 from lipwright.speech.search import Search, costs_for
+from lipwright.speech.units import all_units
 
 if TYPE_CHECKING:
     from lipwright.audio import Sound
@@ -40,8 +41,10 @@ class SphinxAligner:
         return model_folder() is not None
 
     def languages(self) -> tuple[str, ...]:
-        """English."""
-        return ("en",)
+        """Every language that the text front end knows: their sounds become the model's units."""
+        from lipwright.language import LANGUAGES
+
+        return tuple(LANGUAGES)
 
     def align(
         self,
@@ -83,18 +86,6 @@ def _spoken_rows(
     for word, ways in zip(
         words, get_language(language).pronounce_all(words, dictionary), strict=True
     ):
-        phones = tuple(way.phones for way in ways)
-        rows.append(SpokenRow(word, phones, tuple(map(model_phones, phones))))
+        units = tuple(all_units(way.phones, way.ipa, language) for way in ways)
+        rows.append(SpokenRow(word, tuple(way.phones for way in ways), units))
     return rows
-
-
-@cache
-def _model_phone(model: AcousticModel, symbol: str) -> str:
-    known = [phone for phone in model.base_phones if phone not in FILLERS]
-    return symbol if symbol in known else nearest_phones(symbol, known)[0]
-
-
-def model_phones(phones: Sequence[str]) -> tuple[str, ...]:
-    """The same phones as the acoustic model knows them, one for one."""
-    model = load_model()
-    return tuple(_model_phone(model, phone) for phone in phones)

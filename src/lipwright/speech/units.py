@@ -1,0 +1,186 @@
+"""Which units of the English acoustic model sound most like a sound of any language.
+
+The phone table of a track groups sounds by what a face does: German "ach" is K there, as the
+tongue's back rises for both. A listener hears the breath of an H. So forced alignment starts from
+the sounds themselves, in IPA, and each becomes one or more units of the model in a row. A row's
+reason is in its last column; where it says "measured", `bench/acoustic_units.py` tried several on
+speech whose phone times are known, and the row has the one with the smallest errors.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Sequence
+from functools import cache
+from types import MappingProxyType
+from typing import Final
+
+from lipwright.phones import PHONES
+
+Units = tuple[str, ...]
+"""names of base phones of the acoustic model, at least one"""
+
+# IPA, units, why. Several letters are looked up whole before they are taken apart.
+_VOWELS: Final = (
+    ("i", "IY", "feel"),
+    ("y", "UW", "the lips of u lower the second formant to that of a fronted English u"),
+    ("ɨ", "IH", "debit"),
+    ("ʉ", "UW", "dude"),
+    ("ɯ", "UW", "u without its lips; English u has little of them"),
+    ("u", "UW", "too"),
+    ("ɪ", "IH", "fill"),
+    ("ʏ", "IH", "the lips lower it, and English short i is low already"),
+    ("ʊ", "UH", "book"),
+    ("e", "EY", "ate"),
+    ("ø", "ER", "rounded and front of centre: a low third formant, as in fur"),
+    ("ɘ", "AH", "a kind of schwa"),
+    ("ɵ", "UH", "Swedish full: rounded and central"),
+    ("ɤ", "AH", "o without its lips"),
+    ("o", "OW", "go"),
+    ("ə", "AH", "ago; the model writes schwa as AH"),
+    ("ɚ", "ER", "letter"),
+    ("ɛ", "EH", "pet"),
+    ("œ", "ER", "as ø, more open"),
+    ("ɜ", "ER", "British fur"),
+    ("ɝ", "ER", "fur"),
+    ("ɞ", "ER", "ɜ with lips"),
+    ("ʌ", "AH", "cut"),
+    ("ɔ", "AO", "dog"),
+    ("æ", "AE", "cat"),
+    ("ɐ", "AH", "between cut and father"),
+    ("a", "AA", "the open vowel of most languages"),
+    ("ɶ", "AE", "a with lips"),
+    ("ɑ", "AA", "father"),
+    ("ɒ", "AA", "British dog; American ones merge it with ɑ"),
+    ("ɿ", "IH", "Mandarin si: a buzzing central vowel"),
+    ("ʅ", "IH", "Mandarin shi: the same, with the tongue curled"),
+)  # fmt: skip
+_DIPHTHONGS: Final = (
+    ("aɪ", "AY", "bite"), ("ai", "AY", "bite"), ("ɑɪ", "AY", "bite"), ("ɑi", "AY", "bite"),
+    ("aʊ", "AW", "foul"), ("au", "AW", "foul"), ("ɑʊ", "AW", "foul"), ("ɑu", "AW", "foul"),
+    ("ʌʊ", "AW", "foul"), ("æʊ", "AW", "foul"), ("ʌu", "AW", "Dutch oud"),
+    ("ʌɪ", "AY", "bite"),
+    ("eɪ", "EY", "ate"), ("ei", "EY", "ate"), ("ɛɪ", "EY", "Dutch ei"), ("ɛi", "EY", "Dutch ei"),
+    ("oʊ", "OW", "go"), ("ou", "OW", "go"), ("əʊ", "OW", "British go"),
+    ("ɔɪ", "OY", "toy"), ("ɔi", "OY", "toy"), ("oɪ", "OY", "toy"), ("oi", "OY", "toy"),
+    ("ɔø", "OY", "German neu"), ("ɔʏ", "OY", "German neu"), ("ɔy", "OY", "German neu"),
+    ("œy", "AW", "Dutch ui"), ("ʌy", "AW", "Dutch ui"),
+    ("ɪə", "IH", "British near"), ("iə", "IY", "near"), ("eə", "EH", "British square"),
+    ("ɛə", "EH", "British square"), ("ʊə", "UH", "British cure"),
+)  # fmt: skip
+_CONSONANTS: Final = (
+    ("p", "P", "put"), ("b", "B", "big"), ("t", "T", "talk"), ("d", "D", "dig"), ("k", "K", "cut"),
+    ("ɡ", "G", "gut"), ("ʈ", "T", "Swedish kort"), ("ɖ", "D", "Swedish bord"),
+    ("c", "K", "a k further forward"), ("ɟ", "G", "a g further forward"),
+    ("q", "K", "a k further back"), ("ɢ", "G", "a g further back"),
+    ("ʔ", "T", "American button: a stop without a burst"),
+    ("m", "M", "mat"), ("ɱ", "M", "comfort"), ("n", "N", "no"), ("ɳ", "N", "Swedish barn"),
+    ("ɲ", "N Y", "canyon"), ("ŋ", "NG", "sing"), ("ɴ", "NG", "Japanese n before a pause"),
+    ("ʙ", "B", "a trill of the lips"),
+    ("r", "R", "a trill; measured against D"),
+    ("ʀ", "R", "a trill of the uvula"),
+    ("ɾ", "D", "American butter"), ("ɽ", "D", "Japanese r: a tap"),
+    ("ɺ", "L", "Japanese r, with the sides open"),
+    ("ɸ", "F", "Japanese fu: an f of both lips"), ("β", "V", "Spanish lobo: a v of both lips"),
+    ("f", "F", "fork"), ("v", "V", "vat"), ("θ", "TH", "thin"), ("ð", "DH", "then"),
+    ("s", "S", "sit"), ("z", "Z", "zap"), ("ʃ", "SH", "she"), ("ʒ", "ZH", "pleasure"),
+    ("ʂ", "SH", "Swedish fors, Mandarin shi"), ("ʐ", "ZH", "Mandarin ri"),
+    ("ɕ", "SH", "Swedish tjog, Mandarin xi"), ("ʑ", "ZH", "Japanese ji"),
+    ("ɧ", "SH", "Swedish själ: the low hiss of sh, further back"),
+    ("ç", "HH", "huge: the breath before a y"), ("ʝ", "Y", "Spanish yo"),
+    ("x", "HH", "Bach: breath at the tongue's back, no burst"), ("ɣ", "G", "Spanish lago"),
+    ("χ", "HH", "as x, further back"), ("ʁ", "R", "French rue, German rot"),
+    ("ħ", "HH", "breath in the throat"), ("ʕ", "AA", "a narrow throat, near a vowel"),
+    ("h", "HH", "help"), ("ɦ", "HH", "ahead"), ("ɬ", "SH", "Welsh ll"), ("ɮ", "L", "a buzzing l"),
+    ("ʋ", "V", "Dutch wat"), ("ɹ", "R", "red"), ("ɻ", "R", "Mandarin er"), ("j", "Y", "yard"),
+    ("ɰ", "G", "an open ɣ"), ("ɥ", "Y", "French huit"), ("w", "W", "with"), ("ʍ", "W", "which"),
+    ("l", "L", "lid"), ("ɫ", "L", "dark l"), ("ɭ", "L", "Swedish Karl"), ("ʎ", "L Y", "million"),
+    ("ʟ", "L", "an l at the tongue's back"),
+    ("ɓ", "B", "a b drawn in"), ("ɗ", "D", "a d drawn in"), ("ɠ", "G", "a g drawn in"),
+    ("ǀ", "T", "a click"), ("ǁ", "T", "a click"), ("ǃ", "T", "a click"), ("ǂ", "T", "a click"),
+    ("ʘ", "P", "a click of the lips"),
+)  # fmt: skip
+_AFFRICATES: Final = (
+    ("tʃ", "CH", "chin"), ("dʒ", "JH", "joy"), ("tɕ", "CH", "Mandarin jia"),
+    ("dʑ", "JH", "Japanese ji"), ("ʈʂ", "CH", "Mandarin zhong"), ("ɖʐ", "JH", "its voiced sister"),
+    ("ts", "T S", "cats"), ("dz", "D Z", "adze"), ("tr", "CH", "tree"),
+    ("pf", "P F", "German Pfund"),
+)  # fmt: skip
+
+_TABLE: Final = MappingProxyType({
+    ipa: tuple(units.split())
+    for ipa, units, _ in (*_VOWELS, *_DIPHTHONGS, *_CONSONANTS, *_AFFRICATES)
+})  # fmt: skip
+
+# Language, IPA, units, why: the same letter stands for other sounds than in the table above.
+_OF_LANGUAGE: Final = MappingProxyType({
+    (language, ipa): tuple(units.split())
+    for language, ipa, units, _ in (
+        ("cmn", "p", "B", "no breath after it, which makes an English b; pʰ is P"),
+        ("cmn", "t", "D", "the same; tʰ is T"),
+        ("cmn", "k", "G", "the same; kʰ is K"),
+    )
+})  # fmt: skip
+
+# What a symbol of the phone table sounds like where a pronunciation tells no more.
+_OF_PHONE: Final = MappingProxyType({
+    "AX": "AH", "AXR": "ER", "IX": "IH", "UX": "UW", "Q": "T", "HV": "HH", "EM": "M", "EN": "N",
+    "ENG": "NG", "DX": "D", "NX": "N", "EL": "L", "WH": "W",
+})  # fmt: skip
+
+_MARKS: Final = str.maketrans({"g": "ɡ"})
+_KEPT: Final = "\N{COMBINING CEDILLA}"  # of ç, a letter of its own
+
+
+def units_of(phone: str, ipa: str = "", language: str = "") -> Units:
+    """The units of the acoustic model for one phone of a track.
+
+    Args:
+        phone: a symbol of the phone table, not silence.
+        ipa: the sound behind it, if it is known; stress, length and tones do not count.
+        language: ISO code of the language that it is a sound of.
+    """
+    return _units_of(phone, ipa, language)
+
+
+@cache
+def _units_of(phone: str, ipa: str, language: str) -> Units:
+    found = _of_ipa(ipa, language)
+    if found:
+        return found
+    if phone in _OF_PHONE:
+        return (_OF_PHONE[phone],)
+    return _of_ipa(PHONES[phone].ipa, language)
+
+
+def _of_ipa(ipa: str, language: str) -> Units:
+    """The units of a sound in IPA; none if it has no letter that the tables know."""
+    plain = _letters(ipa)
+    units: list[str] = []
+    while plain:
+        for length in range(len(plain), 0, -1):
+            part = plain[:length]
+            known = _OF_LANGUAGE.get((language, part)) or _TABLE.get(part)
+            if known:
+                units += known
+                break
+        plain = plain[length:]
+    return tuple(units)
+
+
+def _letters(ipa: str) -> str:
+    """The letters of a sound without ties, stress, length, tones and other marks."""
+    parts = unicodedata.normalize("NFD", ipa).translate(_MARKS)
+    letters = (c for c in parts if unicodedata.category(c) in ("Ll", "Lo") or c in _KEPT)
+    return unicodedata.normalize("NFC", "".join(letters))
+
+
+def all_units(phones: Sequence[str], ipa: Sequence[str], language: str) -> tuple[Units, ...]:
+    """The units of each phone of a pronunciation; `ipa` is () or one sound a phone."""
+    sounds = ipa or ("",) * len(phones)
+    return tuple(units_of(p, s, language) for p, s in zip(phones, sounds, strict=True))
+
+
+def sounds() -> tuple[str, ...]:
+    """The sounds in IPA that the tables know by themselves."""
+    return tuple(_TABLE)
