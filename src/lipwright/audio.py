@@ -304,30 +304,48 @@ def resampled(sound: Audio, rate: int) -> Audio:
     return Audio(_resampler(sound.rate, rate)(sound.samples, True), rate)
 
 
-def write_wav(path: str | os.PathLike[str], sound: Sound) -> None:
+def write_wav(path: str | os.PathLike[str], sound: Sound, software: str = "") -> None:
     """Write 16-bit PCM, whole or not at all; louder samples than full scale are clipped.
+
+    Args:
+        path: the target.
+        sound: what is heard.
+        software: what made the sound, for the file's own notes; see `written_by`.
 
     Raises:
         LipwrightError: the target cannot be written.
     """
-    _write_pcm(path, sound, "WAV")
+    _write_pcm(path, sound, "WAV", software)
 
 
-def write_flac(path: str | os.PathLike[str], sound: Sound) -> None:
+def write_flac(path: str | os.PathLike[str], sound: Sound, software: str = "") -> None:
     """The same as FLAC, in about half the bytes.
 
     Raises:
         LipwrightError: the target cannot be written.
     """
-    _write_pcm(path, sound, "FLAC")
+    _write_pcm(path, sound, "FLAC", software)
 
 
-def _write_pcm(path: str | os.PathLike[str], sound: Sound, container: str) -> None:
+def written_by(path: str | os.PathLike[str]) -> str:
+    """What made a sound, as its file notes it; "" where it does not, or cannot be read."""
+    import soundfile
+
+    try:
+        with soundfile.SoundFile(path) as file:
+            return str(file.software).partition(" (")[0]  # libsndfile adds its own name
+    except (OSError, soundfile.LibsndfileError):
+        return ""
+
+
+def _write_pcm(path: str | os.PathLike[str], sound: Sound, container: str, software: str) -> None:
     import soundfile
 
     with write_whole(path) as part:
         try:
             with soundfile.SoundFile(part, "w", sound.rate, 1, "PCM_16", format=container) as file:
+                if software:
+                    file.software = software
                 for block in sound.blocks():
                     file.write(block.samples)
         except soundfile.LibsndfileError as error:

@@ -17,11 +17,13 @@ from lipwright.cli import (
     heads,
     listing,
     modelling,
+    phones,
     rig_bones,
     rig_fitting,
     rig_poses,
     rig_transfer,
     rigs,
+    saying,
     training,
 )
 from lipwright.version import VERSION
@@ -37,6 +39,7 @@ def app() -> None:
 
 
 app.add_command(animating.animate)
+app.add_command(saying.say)
 app.add_command(aligning.align)
 app.add_command(converting.convert)
 app.add_command(capturing.capture)
@@ -54,7 +57,8 @@ rigs.rigs.add_command(rig_fitting.fit)
 rigs.rigs.add_command(rig_poses.poses)
 rigs.rigs.add_command(rig_transfer.transfer)
 rigs.rigs.add_command(rig_bones.bones)
-app.add_command(listing.phones)
+app.add_command(phones.phones)
+app.add_command(saying.voices)
 app.add_command(heads.head)
 app.add_command(listing.formats)
 app.add_command(listing.doctor)

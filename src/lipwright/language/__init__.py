@@ -7,7 +7,6 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Final, cast
 
-from lipwright.errors import LipwrightError
 from lipwright.language.base import Language, Phoneme, Pronunciation, SpokenWord
 from lipwright.language.dictionary import Dictionary, read_dictionary
 
@@ -29,15 +28,21 @@ LANGUAGES: Final = MappingProxyType({
 """code to the module that makes the language, by its function `make(code) -> Language`"""
 
 
+_OTHERS: Final = "lipwright.language.espeaking"
+
+
 @cache
 def get_language(code: str) -> Language:
     """The language of that code; made once, as its lexicon remembers what it has found.
 
+    One that is not in `LANGUAGES` is pronounced by espeak-ng, where that is installed.
+
     Raises:
         LipwrightError: there is none.
     """
-    if code not in LANGUAGES:
-        raise LipwrightError(
-            f"unknown language {code!r}; use one of: {', '.join(LANGUAGES)}, or give phones"
-        )
-    return cast(Language, import_module(LANGUAGES[code]).make(code))
+    from lipwright.language.codes import resolve_code
+
+    known = code if code in LANGUAGES else resolve_code(code)
+    if known != code:
+        return get_language(known)
+    return cast(Language, import_module(LANGUAGES.get(code, _OTHERS)).make(code))

@@ -19,6 +19,7 @@ from lipwright.pipeline.words import (
     align_speech,
     hear_sound,
     hear_speech,
+    language_of,
 )
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "animate_track",
     "hear_sound",
     "hear_speech",
+    "language_of",
     "moves_heads",
     "rig_of",
     "say",

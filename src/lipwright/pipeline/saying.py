@@ -79,6 +79,7 @@ def say(
     if voice.language is not None:
         language = language_of(voice.language, words, text_source)
     speaker = find_voice(voice.voice, language)
+    notes = _misgivings(words, speaker.info.language or language or "en", text_source)
     dictionary = None if voice.dictionary is None else Path(voice.dictionary)
     said = speak(
         speaker, script, text_source, dictionary, lambda share: report("say", share), language
@@ -88,7 +89,19 @@ def say(
     clip = animate_track(said.track, options, said.audio)
     performance = for_rig(Performance(clip, said.track, said.audio), rig)
     report("animate", 1.0)
-    return Result(performance, utterance=said)
+    return Result(performance, utterance=said, notes=notes)
+
+
+def _misgivings(words: str, code: str, source: str) -> tuple[str, ...]:
+    """What the user should know of words that seem to be of another language.
+
+    Raises:
+        LipwrightError: their letters are not those of the language.
+    """
+    from lipwright.language.detect import check_language
+
+    note = check_language(words, code, source)
+    return (note,) if note else ()
 
 
 def _at_rate(script: Script, rate: float) -> Script:

@@ -26,6 +26,8 @@ class Result:
     """how the phones were found where no words were given"""
     utterance: Utterance | None = field(default=None)
     """what a voice has said, of `say`"""
+    notes: tuple[str, ...] = ()
+    """what the user should know, a line each"""
 
     @property
     def clip(self) -> Clip:

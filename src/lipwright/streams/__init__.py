@@ -34,6 +34,11 @@ STREAMS: Final = MappingProxyType[str, Stream]({})
 """suffix to layout"""
 
 
+def known_streams() -> dict[str, str]:
+    """Suffix of each layout, and what it is."""
+    return {suffix: entry.about for suffix, entry in STREAMS.items()}
+
+
 def read_timings(
     path: str | os.PathLike[str],
     format: str | None = None,  # noqa: A002  # as the command line calls it

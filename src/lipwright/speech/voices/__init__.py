@@ -136,7 +136,7 @@ def speak(
         from lipwright.speech.voices.own_words import with_dictionary
 
         script = with_dictionary(script, dictionary)
-    said = voice.speak(script, source, progress)
+    said = replace(voice.speak(script, source, progress), voice=voice.info.name)
     if said.track is not None:
         return said
     from lipwright.audio import resampled

@@ -74,6 +74,8 @@ class Utterance:
     no times, so that its words must be aligned"""
     text: str
     """the words that were said, as they are written"""
+    voice: str = ""
+    """the name of who spoke"""
     timing: Literal["voice", "aligner"] = "voice"
     """who told the phone times"""
 
