@@ -27,7 +27,7 @@ MOST_MISFITS: Final = 0.25
 
 # A frame tells about the middle of its window; an edge lies between two such middles.
 _EDGE_OFFSET: Final = FRAME_CENTRE - 0.5 / FRAME_RATE  # s
-_SHORTEST: Final = 1e-3  # s, of a phone that the end of the sound cuts off
+SHORTEST: Final = 1e-3  # s, of a phone that the end of the sound cuts off
 
 
 def to_alignment(judged: Judged, rows: Sequence[SpokenRow], sound: Sound) -> Alignment:
@@ -39,7 +39,7 @@ def to_alignment(judged: Judged, rows: Sequence[SpokenRow], sound: Sound) -> Ali
     misfits = tuple(
         Misfit(
             rows[index].word.text, rows[index].word.written,
-            _seconds(start, sound.duration), _seconds(stop, sound.duration),
+            seconds(start, sound.duration), seconds(stop, sound.duration),
             WORST if score is None else score,
         )
         for index, (start, stop, score) in sorted(judged.misfits.items())
@@ -48,7 +48,7 @@ def to_alignment(judged: Judged, rows: Sequence[SpokenRow], sound: Sound) -> Ali
         raise _other_text(misfits, rows[min(judged.misfits)].word, len(rows), sound)
     words = [judged.placed[index] for index in sorted(judged.placed)]
     unwritten = tuple(
-        (_seconds(start, sound.duration), _seconds(stop, sound.duration))
+        (seconds(start, sound.duration), seconds(stop, sound.duration))
         for start, stop in judged.unwritten
     )
     return Alignment(_track(words, rows, judged.allowance, sound.duration), misfits, unwritten)
@@ -73,17 +73,17 @@ def _track(
     placed: list[Word] = []
     for word in words:
         row = rows[word.index]
-        start = _seconds(word.start, duration)
-        if start > edges[-1] + _SHORTEST:
+        start = seconds(word.start, duration)
+        if start > edges[-1] + SHORTEST:
             phones.append(SILENCE)
             edges.append(start)
         first = len(phones)
         phones += row.phones[word.pronunciation]
-        edges += [_seconds(stop, duration) for stop in _phone_stops(word, row)]
+        edges += [seconds(stop, duration) for stop in _phone_stops(word, row)]
         placed.append(
             Word(row.word.text, first, len(phones), confidence(word.score + allowance))
         )  # fmt: skip
-    return PhoneTrack(tuple(phones), _rising(edges, duration), tuple(placed)).padded(0.0, duration)
+    return PhoneTrack(tuple(phones), rising(edges, duration), tuple(placed)).padded(0.0, duration)
 
 
 def _phone_stops(word: PlacedWord, row: SpokenRow) -> list[int]:
@@ -92,15 +92,14 @@ def _phone_stops(word: PlacedWord, row: SpokenRow) -> list[int]:
     return [word.segments[i].stop for i in last_units]
 
 
-def _rising(
-    edges: Sequence[float], duration: float
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def rising(edges: Sequence[float], duration: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The edges, with room for phones that the end of the sound would leave without any."""
-    room = duration - _SHORTEST * np.arange(len(edges))[::-1]
+    room = duration - SHORTEST * np.arange(len(edges))[::-1]
     return np.minimum(edges, np.maximum(room, 0))
 
 
-def _seconds(frame: int, duration: float) -> float:
+def seconds(frame: int, duration: float) -> float:
+    """The time in s at which the frame before ends and `frame` begins."""
     if frame <= 0:
         return 0.0
     return min(frame / FRAME_RATE + _EDGE_OFFSET, duration)

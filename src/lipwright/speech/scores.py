@@ -14,6 +14,7 @@ import numpy.typing as npt
 from lipwright.speech.acoustic import AcousticModel
 from lipwright.speech.features import Floats, with_differences
 
+_AT_ONCE: Final = 300  # frames
 LOOP_COST: Final = 3.7  # nats to go on to another phone, log 42: all are as likely
 
 
@@ -77,6 +78,11 @@ class Scores:
         )
         self._known = stop
         return heard[:, : len(senones)] - self._gains[start:stop, None]
+
+    def hear(self, stop: int) -> None:
+        """Let the loop of any phones hear every frame before `stop`, which later ratios need."""
+        for start in range(self._known, stop, _AT_ONCE):
+            self.ratios(start, min(start + _AT_ONCE, stop), np.zeros(0, np.intp))
 
     def likelihoods(self, start: int, stop: int, senones: npt.NDArray[np.integer]) -> Floats:
         """(stop - start, len(senones)) natural logarithms of likelihood densities."""
