@@ -76,6 +76,8 @@ class Match:
     """(K,) s, estimated minus reference start of each matched phone"""
     reference_unmatched: tuple[str, ...]
     estimated_unmatched: tuple[str, ...]
+    reference_indices: tuple[int, ...]
+    """(K,) which reference phone each match is"""
 
 
 def read_reference(path: Path) -> list[Labelled]:
@@ -129,12 +131,14 @@ def match_phones(reference: Sequence[Labelled], estimated: Sequence[Labelled]) -
     errors: list[float] = []
     missed: list[str] = []
     added: list[str] = []
+    indices: list[int] = []
     i, j = rows, columns
     while i or j:
         one, other = reference[i - 1], estimated[j - 1]
         substitution = substitution_cost(one.symbol, other.symbol)
         if i and j and np.isclose(cost[i, j], cost[i - 1, j - 1] + substitution):
             errors.append(other.start - one.start)
+            indices.append(i - 1)
             i, j = i - 1, j - 1
         elif i and np.isclose(cost[i, j], cost[i - 1, j] + GAP):
             missed.append(one.symbol)
@@ -142,7 +146,8 @@ def match_phones(reference: Sequence[Labelled], estimated: Sequence[Labelled]) -
         else:
             added.append(other.symbol)
             j -= 1
-    return Match(np.array(errors[::-1]), tuple(missed[::-1]), tuple(added[::-1]))
+    return Match(np.array(errors[::-1]), tuple(missed[::-1]), tuple(added[::-1]),
+                 tuple(indices[::-1]))  # fmt: skip
 
 
 def summarize(errors: npt.NDArray[np.float64]) -> dict[str, float]:

@@ -59,27 +59,36 @@ class SphinxAligner:
         Raises:
             LipwrightError: nothing is heard, or the words do not fit the sound.
         """
-        report = progress or (lambda share: None)
-        power = spectra(audio)
-        if not len(power) or levels(power).max() < SILENT_DB:
-            name = getattr(audio, "name", "audio")
-            raise LipwrightError(
-                f"{name}: nothing is heard; record it louder, or name another file"
-            )
-        static, costs = static_features(power), costs_for(dynamic_range(power))
-        del power
-        report(_HEARD)
-        rows = _spoken_rows(words, language, dictionary)
-        scores = Scores(load_model(), static)
-        graph = build_graph(scores.model, [row.model_phones for row in rows])
-        search = Search(graph, scores, costs)
-        path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
-        return to_alignment(Judge(search, path, rows).judge(), rows, audio)
+        return align_rows(audio, spoken_rows(words, language, dictionary), progress)
 
 
-def _spoken_rows(
+def align_rows(
+    audio: Sound, rows: Sequence[SpokenRow], progress: Progress | None = None
+) -> Alignment:
+    """Put words whose units are known on the time axis of `audio`; see `Aligner.align`.
+
+    Raises:
+        LipwrightError: nothing is heard, or the words do not fit the sound.
+    """
+    report = progress or (lambda share: None)
+    power = spectra(audio)
+    if not len(power) or levels(power).max() < SILENT_DB:
+        name = getattr(audio, "name", "audio")
+        raise LipwrightError(f"{name}: nothing is heard; record it louder, or name another file")
+    static, costs = static_features(power), costs_for(dynamic_range(power))
+    del power
+    report(_HEARD)
+    scores = Scores(load_model(), static)
+    graph = build_graph(scores.model, [row.model_phones for row in rows])
+    search = Search(graph, scores, costs)
+    path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
+    return to_alignment(Judge(search, path, rows).judge(), rows, audio)
+
+
+def spoken_rows(
     words: Sequence[SpokenWord], language: str, dictionary: Dictionary | None
 ) -> list[SpokenRow]:
+    """The words with every way to say them, as the acoustic model knows them."""
     from lipwright.language import get_language
 
     rows = []
