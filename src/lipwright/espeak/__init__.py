@@ -13,6 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from lipwright.errors import LipwrightError
+from lipwright.espeak.corrections import corrected
 from lipwright.espeak.process import EXTRA, KEEPER, find_library
 
 if TYPE_CHECKING:
@@ -44,7 +45,8 @@ MAX_WORDS_PER_MINUTE: Final = 900
 _SAMPLE_RATE: Final = 22_050  # Hz, of every voice that is not MBROLA's
 _TIMEOUT: Final = 20.0  # s; and for each character, which takes about 0.1 ms:
 _TIMEOUT_PER_CHARACTER: Final = 0.01
-_SWITCH: Final = re.compile(r"\([a-z][a-zA-Z-]*\)")  # "(en)": from here on in that language
+_BETWEEN: Final = "_"  # phonemes, when we ask for IPA; no phoneme is written with it
+_SWITCH: Final = re.compile(r"\([a-z][a-zA-Z0-9-]*\)")  # "(en)": from here on in that language
 _VOICE: Final = re.compile(r"([A-Za-z0-9-]+)(?:\+([A-Za-z0-9_-]{1,30}))?")
 
 
@@ -163,12 +165,12 @@ def words_to_ipa(texts: Sequence[str], language: str, separator: str = "") -> tu
     """
     if len(separator) > 1:
         raise ValueError(f"the separator {separator!r} is more than one character")
-    voice = _checked_voice(language)
+    voice, code = _checked_voice(language)
     plain = [_plain(text) for text in texts]
     count = sum(map(len, plain)) + len(plain)
-    request = {"verb": "ipa", "voice": voice, "texts": plain, "separator": separator}
+    request = {"verb": "ipa", "voice": voice, "texts": plain, "separator": _BETWEEN}
     answer, _ = _ask(request, count)
-    return tuple(_without_switches(ipa, separator) for ipa in answer["ipa"])
+    return tuple(_joined(ipa, code, separator) for ipa in answer["ipa"])
 
 
 def speak(
@@ -195,17 +197,19 @@ def speak(
         raise ValueError(f"{words_per_minute} words a minute")
     if not (0 <= pitch <= 100 and 0 <= pitch_range <= 100):
         raise ValueError(f"the pitch {pitch} and its range {pitch_range}")
+    identifier, code = _checked_voice(voice)
     said = _plain(text, brackets=phoneme_input)
     request = {
-        "verb": "speak", "voice": _checked_voice(voice), "text": said, "ssml": ssml,
+        "verb": "speak", "voice": identifier, "text": said, "ssml": ssml,
         "wpm": words_per_minute, "pitch": pitch, "range": pitch_range, "phonemes": phoneme_input,
         "mnemonics": mnemonics, "most_samples": round(MAX_SECONDS * _SAMPLE_RATE),
     }  # fmt: skip
     answer, pcm = _ask(request, len(said))
-    return _speech(answer, pcm)
+    return _speech(answer, pcm, None if mnemonics else code)
 
 
-def _speech(answer: dict[str, Any], pcm: bytes) -> Speech:
+def _speech(answer: dict[str, Any], pcm: bytes, code: str | None) -> Speech:
+    """`code`: of the language whose IPA the labels are."""
     import numpy as np
 
     samples = np.frombuffer(pcm, "<i2").astype(np.float32) / np.float32(32768)
@@ -216,7 +220,8 @@ def _speech(answer: dict[str, Any], pcm: bytes) -> Speech:
         if kind == 1:
             words.append(WordEvent(sample / rate, max(position - 1, 0), length))
         elif not _SWITCH.fullmatch(label):
-            phones.append(PhoneEvent(sample / rate, label, max(position - 1, 0)))
+            said = label if code is None else corrected(label, code)
+            phones.append(PhoneEvent(sample / rate, said, max(position - 1, 0)))
     return Speech(samples, rate, tuple(phones), tuple(words))
 
 
@@ -228,8 +233,8 @@ def _ask(request: dict[str, Any], characters: int) -> tuple[dict[str, Any], byte
     return header, pcm
 
 
-def _checked_voice(voice: str) -> str:
-    """The voice as espeak-ng is told, which must not take a name for a path."""
+def _checked_voice(voice: str) -> tuple[str, str]:
+    """The voice as espeak-ng is told, which must not take a name for a path; its code."""
     known = {language.code: language for language in languages()}
     match = _VOICE.fullmatch(voice)
     code = "" if match is None else match[1].lower()
@@ -240,7 +245,7 @@ def _checked_voice(voice: str) -> str:
         raise LipwrightError(
             f"espeak-ng has no voice {voice[:80]!r}; use one of: {', '.join(sorted(known))}"
         )
-    return known[code].identifier + (f"+{match[2]}" if match[2] else "")
+    return known[code].identifier + (f"+{match[2]}" if match[2] else ""), code
 
 
 def _plain(text: str, brackets: bool = False) -> str:
@@ -263,12 +268,11 @@ def _plain(text: str, brackets: bool = False) -> str:
     return text if brackets else text.replace("[[", "((")
 
 
-def _without_switches(ipa: str, separator: str) -> str:
-    """The IPA of a text without the marks; separators only between phonemes."""
-    ipa = _SWITCH.sub("", ipa)
-    if separator:
-        doubled = re.escape(separator)
-        ipa = re.sub(
-            f"{doubled}*( |\n|^|$){doubled}*", r"\1", re.sub(f"{doubled}+", separator, ipa)
-        )
-    return re.sub(r" +", " ", ipa).strip()
+def _joined(ipa: str, code: str, separator: str) -> str:
+    """The phonemes of words of clauses, each as it should be, without marks of language."""
+    clauses = []
+    for clause in ipa.split("\n"):
+        words = (word.split(_BETWEEN) for word in _SWITCH.sub("", clause).split())
+        said = (separator.join(corrected(one, code) for one in word if one) for word in words)
+        clauses.append(" ".join(word for word in said if word))
+    return "\n".join(clause for clause in clauses if clause)
