@@ -1,0 +1,346 @@
+"""The English voices of hibari, whose model tells how long each phone lasts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.audio import Audio
+from lipwright.errors import LipwrightError
+from lipwright.language import LANGUAGES, get_language
+from lipwright.phones import SILENCE
+from lipwright.speech.voices.hibari_text import G2P, Line, script_lines
+from lipwright.speech.voices.hibari_times import FRAME, LAG, RATE, Timed, time_line
+from lipwright.speech.voices.onnx_outputs import input_of, with_output
+from lipwright.speech.voices.values import Emphasis, Script, Utterance, VoiceInfo
+from lipwright.track import PhoneTrack, Word
+
+if TYPE_CHECKING:
+    from lipwright.speech.aligner import Progress
+
+Samples = npt.NDArray[np.float32]
+
+NAME: Final = "hibari"
+SEED: Final = 0  # of the noise in its sound: the same text sounds the same every time
+_TURNED_INTO_FRAMES: Final = "CumSum"
+"""the model's only node of this kind counts up the frames of the letters"""
+_MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibari.dsp.synth` says
+_PITCH: Final = 5  # output in Hz
+_STEPS: Final = 2  # of `hibari.dsp.HOP` in a FRAME
+_ODD_ONES_OUT: Final = 3  # severity from which onnxruntime speaks up
+_LEAST_SILENCE: Final = round(0.05 * RATE)  # samples before the first phone and after the last
+_RAMP: Final = 4  # steps in which a word's emphasis comes and goes: 50 ms
+
+
+@dataclass(frozen=True)
+class _Manner:
+    """What emphasis changes."""
+
+    gain: float
+    """dB"""
+    pitch: float
+    """factor"""
+
+
+# Ours, by ear: SSML 1.1 leaves it to the voice; prominent syllables of English are a few dB louder
+# and 1 to 4 semitones higher (Fry 1958; Kochanski et al. 2005).
+_MANNERS: Final = MappingProxyType[Emphasis, _Manner]({
+    "reduced": _Manner(-3.0, 0.94), "moderate": _Manner(1.5, 1.08), "strong": _Manner(3.0, 1.16),
+})  # fmt: skip
+
+
+class HibariVoice:
+    """A voice of hibari; made by `HibariBackEnd.open`."""
+
+    def __init__(self, info: VoiceInfo, model: Path, british: bool) -> None:
+        """`model` is the voice's ONNX file."""
+        self._info, self._model, self._british = info, model, british
+        # The model is read by threads of its own while Python reads the lexicon.
+        with ThreadPoolExecutor(1) as pool:
+            session = pool.submit(self._open_session)
+            self._g2p = _load_g2p(british)
+            self._session = session.result()
+
+    @property
+    def info(self) -> VoiceInfo:
+        """Its name and language."""
+        return self._info
+
+    def speak(
+        self, script: Script, source: str = "text", progress: Progress | None = None
+    ) -> Utterance:
+        """Say the script, as `Voice.speak` describes it.
+
+        Breaks last as long as they ask for, from the last phone before to the first one after.
+
+        Raises:
+            LipwrightError: nothing is said, or letters are not English.
+        """
+        code = self._info.language if self._info.language in LANGUAGES else "en"
+        known = frozenset(self._vocabulary)
+        before, lines = script_lines(script, get_language(code), self._g2p, known, source)
+        said = _Said()
+        said.pause(before)
+        for number, line in enumerate(lines, 1):
+            samples, timed = self._say(line, number)
+            said.add(line, samples, timed)
+            if line.pause is not None:
+                said.pause(line.pause)
+            if progress:
+                progress(number / len(lines))
+        return said.utterance(" ".join(piece.text for piece in script if piece.text))
+
+    @cached_property
+    def _vocabulary(self) -> dict[str, int]:
+        import json
+
+        from hibari.tts import ASSETS
+
+        with Path(ASSETS, "vocab.json").open(encoding="utf-8") as file:
+            vocabulary: dict[str, int] = json.load(file)
+        return vocabulary
+
+    def _open_session(self) -> Any:
+        # From 1.31 on it writes an identifier to send usage metrics with while it is imported.
+        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+        import onnxruntime
+
+        options = onnxruntime.SessionOptions()
+        options.log_severity_level = _ODD_ONES_OUT
+        options.intra_op_num_threads = options.inter_op_num_threads = 1  # more are no faster
+        try:
+            model = self._model.read_bytes()
+            model = with_output(model, input_of(model, _TURNED_INTO_FRAMES))
+            return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+        except Exception as error:  # onnxruntime has a class for each kind of refusal
+            reason = " ".join(str(error).split())[:120]
+            raise LipwrightError(
+                f"{self._model}: not a voice of hibari ({reason}); remove the file, and let "
+                f"hibari fetch it again: hibari --voice {self._info.name.partition(':')[2]} hello"
+            ) from error
+
+    def _say(self, line: Line, number: int) -> tuple[Samples, Timed]:
+        from hibari import dsp
+
+        ids = [0, *(self._vocabulary[letter] for letter in line.letters), 0]
+        feeds = {
+            "ids": np.asarray([ids], np.int64), "speed": np.asarray([line.rate], np.float32),
+        }  # fmt: skip
+        *parts, frames = self._session.run(None, feeds)
+        frames = frames.reshape(-1).astype(np.int64)
+        spectra: list[npt.NDArray[np.float32]] = [part[0] for part in parts]
+        _emphasise(spectra, line, frames)
+        samples: Samples = dsp.synth(*spectra, np.random.default_rng([SEED, number]))
+        return samples, time_line(line.letters, line.sounds, frames, samples)
+
+
+def _load_g2p(british: bool) -> G2P:
+    import gc
+
+    # Tens of thousands of small dicts come from its files; collecting between them takes longer
+    # than reading them.
+    collected = gc.isenabled()
+    gc.disable()
+    try:
+        import hibari.g2p
+
+        return hibari.g2p.G2P(british=british)
+    finally:
+        if collected:
+            gc.enable()
+
+
+def _emphasise(
+    spectra: list[npt.NDArray[np.float32]], line: Line, frames: npt.NDArray[np.int64]
+) -> None:
+    """Make words louder and higher, in the network's spectra (B, F) and pitch (F,), in place."""
+    pitch = spectra[_PITCH]
+    at = np.concatenate([[0], np.cumsum(frames)]) * _STEPS - round(LAG * RATE / FRAME * _STEPS)
+    for first, stop, level in line.emphasis:
+        if level not in _MANNERS:
+            continue
+        steps = np.arange(len(pitch))
+        start, end = at[first + 1], at[stop + 1]
+        share = np.clip(np.minimum(steps - start, end - steps) / _RAMP + 1, 0, 1)
+        share = share.astype(np.float32)
+        manner = _MANNERS[level]
+        gain = share * np.float32(manner.gain * np.log(10) / 20)
+        for number in _MAGNITUDES:
+            spectra[number] += gain
+        pitch *= 1 + share * np.float32(manner.pitch - 1)
+
+
+class _Said:
+    """Lines one after the other."""
+
+    def __init__(self) -> None:
+        self._samples: list[Samples] = []
+        self._length = 0
+        self._phones: list[str] = []
+        self._edges: list[int] = [0]
+        self._stress: list[int | None] = []
+        self._words: list[Word] = []
+        self._pause: int | None = None
+
+    def pause(self, seconds: float) -> None:
+        """Silence that lasts so long from the last phone to the next."""
+        if seconds or self._phones:
+            self._pause = (self._pause or 0) + round(seconds * RATE)
+
+    def add(self, line: Line, samples: Samples, timed: Timed) -> None:
+        """A line after all others."""
+        head = int(timed.edges[1])
+        skipped = self._join(head)
+        shift = self._length - skipped
+        self._push(samples[skipped:])
+        first = len(self._phones)
+        if self._phones:  # two silences are one
+            self._edges[-1] = shift + head
+            self._phones[-1:] = [SILENCE, *timed.phones[1:]]
+            self._stress += [None] * (len(timed.phones) - 1)
+            first -= 1
+        else:
+            self._phones += timed.phones
+            self._stress += [None] * len(timed.phones)
+            self._edges.append(shift + head)
+        self._edges += [shift + int(edge) for edge in timed.edges[2:]]
+        self._name(line, timed, first)
+
+    def utterance(self, text: str) -> Utterance:
+        """All of it."""
+        tail = self._edges[-1] - self._edges[-2]
+        wanted = max(self._pause or 0, _LEAST_SILENCE) - tail
+        if wanted > 0:
+            self._push(np.zeros(wanted, np.float32))
+            self._edges[-1] += wanted
+        track = PhoneTrack(
+            tuple(self._phones), np.asarray(self._edges) / RATE, tuple(self._words),
+            tuple(self._stress),
+        )  # fmt: skip
+        loudest = max(1.0, *(float(np.abs(part).max(initial=0)) for part in self._samples))
+        audio = Audio(np.concatenate(self._samples) / np.float32(loudest), RATE)
+        return Utterance(audio, track, text)
+
+    def _push(self, samples: Samples) -> None:
+        self._samples.append(samples)
+        self._length += len(samples)
+
+    def _join(self, head: int) -> int:
+        """Make the silence before a line with `head` samples of it; how many to cut from them."""
+        tail = self._edges[-1] - self._edges[-2] if self._phones else 0
+        wanted = tail + head if self._pause is None else self._pause
+        if not self._phones:
+            wanted = max(wanted, head, _LEAST_SILENCE)
+        self._pause = None
+        spare = wanted - tail - head
+        if spare >= 0:
+            self._push(np.zeros(spare, np.float32))
+            return 0
+        kept = round(wanted * tail / (tail + head))  # of the tail
+        self._cut(tail - kept)
+        return head - (wanted - kept)
+
+    def _cut(self, count: int) -> None:
+        if count:
+            self._samples[-1] = self._samples[-1][:-count]
+            self._length -= count
+
+    def _name(self, line: Line, timed: Timed, first: int) -> None:
+        """Words and stress of the phones from index `first` on."""
+        for number, text in enumerate(line.words):
+            places = [
+                place for place, owner in enumerate(timed.sounds)
+                if owner is not None and line.sounds[owner].word == number
+            ]  # fmt: skip
+            if places:
+                self._words.append(Word(text, first + places[0], first + places[-1] + 1))
+        for place, owner in enumerate(timed.sounds):
+            if owner is not None:
+                self._stress[first + place] = line.sounds[owner].stress
+
+
+class HibariBackEnd:
+    """The voices of hibari: one in its package, and those that its user has fetched with it."""
+
+    name = NAME
+
+    def is_available(self) -> bool:
+        """Whether its packages are installed."""
+        return find_spec("hibari") is not None and find_spec("onnxruntime") is not None
+
+    def remedy(self) -> str:
+        """The command that installs what is missing."""
+        return "pip install hibari-tts"
+
+    def voices(self) -> Sequence[VoiceInfo]:
+        """The voices whose models lie on this machine, the default first."""
+        return tuple(self._info(name) for name in self._table() if self._path(name))
+
+    def open(self, voice: str, language: str | None) -> HibariVoice:
+        """The voice of that name, "" for the default of the language; nothing is downloaded.
+
+        Raises:
+            LipwrightError: there is none; lists those on this machine, and how to get others.
+        """
+        known = self.voices()
+        if not voice:
+            fitting = [one for one in known if language in (None, one.language)]
+            fitting = fitting or [one for one in known if language == "en-gb"]
+            if not fitting:
+                raise LipwrightError(
+                    f"hibari speaks English alone, not {language!r}; choose another voice"
+                )
+            voice = fitting[0].name.partition(":")[2]
+        table = self._table()
+        path = self._path(voice) if voice in table else None
+        if path is None:
+            raise LipwrightError(self._refusal(voice, known))
+        return HibariVoice(self._info(voice), path, bool(table[voice]["british"]))
+
+    def _refusal(self, voice: str, known: Sequence[VoiceInfo]) -> str:
+        here = ", ".join(info.name for info in known)
+        if voice in self._table():
+            return (
+                f"voice 'hibari:{voice}' is not on this machine; hibari fetches it when you run: "
+                f"hibari --voice {voice} hello; here are: {here}"
+            )
+        others = [name for name in self._table() if not self._path(name)]
+        return (
+            f"unknown voice 'hibari:{voice}'; use one of: {here}"
+            + (f"; hibari also knows {', '.join(others)}, which it fetches when you run: "
+               f"hibari --voice {others[0]} hello" if others else "")
+        )  # fmt: skip
+
+    def _table(self) -> dict[str, dict[str, Any]]:
+        from hibari.voices import VOICES
+
+        table: dict[str, dict[str, Any]] = VOICES
+        return table
+
+    def _path(self, name: str) -> Path | None:
+        from hibari.voices import voice_path
+
+        try:
+            return Path(voice_path(name, download_missing=False))
+        except FileNotFoundError:
+            return None
+
+    def _info(self, name: str) -> VoiceInfo:
+        row = self._table()[name]
+        language = "en-gb" if row["british"] else "en"
+        return VoiceInfo(f"{NAME}:{name}", language, f"{row['accent']} English, {row['gender']}")
+
+
+def back_end() -> HibariBackEnd:
+    """The back end of the registry."""
+    return HibariBackEnd()
