@@ -22,7 +22,7 @@ _OURS: Final = (
      "british british-english english-uk english-united-kingdom english-britain en-uk en-ie en-au "
      "en-nz en-za en-in en-sg en-hk en-ke en-ng en-gb-x-rp"),
     ("sv", "Swedish", "swe svenska"),
-    ("cmn", "Mandarin", "zh zho chi chinese zh-cmn mandarin-chinese chinese-mandarin putonghua guoyu"),
+    ("cmn", "Mandarin", "zh zho chi chinese zh-cmn mandarin-chinese chinese-mandarin guoyu"),
     ("de", "German", "deu ger deutsch"),
     ("es", "Spanish", "spa castilian espanol latin-american-spanish mexican"),
     ("fr", "French", "fra fre francais"),
