@@ -79,17 +79,18 @@ def _track(
             edges.append(start)
         first = len(phones)
         phones += row.phones[word.pronunciation]
-        edges += [seconds(stop, duration) for stop in _phone_stops(word, row)]
+        edges += edges_of(word, row, duration)[1:]
         placed.append(
             Word(row.word.text, first, len(phones), confidence(word.score + allowance))
         )  # fmt: skip
     return PhoneTrack(tuple(phones), rising(edges, duration), tuple(placed)).padded(0.0, duration)
 
 
-def _phone_stops(word: PlacedWord, row: SpokenRow) -> list[int]:
-    """The frame after each phone of the word, whatever lies between the units inside it."""
+def edges_of(word: PlacedWord, row: SpokenRow, duration: float) -> list[float]:
+    """(P + 1,) s, where the phones of a word begin and end, whatever lies between their units."""
     last_units = np.cumsum([len(units) for units in row.units[word.pronunciation]]) - 1
-    return [word.segments[i].stop for i in last_units]
+    frames = [word.start, *(word.segments[i].stop for i in last_units)]
+    return [seconds(frame, duration) for frame in frames]
 
 
 def rising(edges: Sequence[float], duration: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

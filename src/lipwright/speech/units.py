@@ -54,6 +54,8 @@ _VOWELS: Final = (
     ("ɒ", "AA", "British dog; American ones merge it with ɑ"),
     ("ɿ", "IH", "Mandarin si: a buzzing central vowel"),
     ("ʅ", "IH", "Mandarin shi: the same, with the tongue curled"),
+    ("ʮ", "UW", "ɿ with lips"), ("ʯ", "UW", "ʅ with lips"),
+    ("ᵻ", "IH", "debit"), ("ᵿ", "UH", "its rounded sister"),
 )  # fmt: skip
 _DIPHTHONGS: Final = (
     ("aɪ", "AY", "bite"), ("ai", "AY", "bite"), ("ɑɪ", "AY", "bite"), ("ɑi", "AY", "bite"),
@@ -96,6 +98,9 @@ _CONSONANTS: Final = (
     ("ɰ", "G", "an open ɣ"), ("ɥ", "Y", "French huit"), ("w", "W", "with"), ("ʍ", "W", "which"),
     ("l", "L", "lid"), ("ɫ", "L", "dark l"), ("ɭ", "L", "Swedish Karl"), ("ʎ", "L Y", "million"),
     ("ʟ", "L", "an l at the tongue's back"),
+    ("ʡ", "T", "a stop in the throat"), ("ⱱ", "V", "a flap of lip and teeth"),
+    ("ɼ", "R", "a trill"), ("ʜ", "HH", "breath in the throat"), ("ʢ", "AA", "as ʕ"),
+    ("ᶑ", "D", "a ɖ drawn in"), ("ʄ", "G", "a ɟ drawn in"), ("ʛ", "G", "a ɢ drawn in"),
     ("ɓ", "B", "a b drawn in"), ("ɗ", "D", "a d drawn in"), ("ɠ", "G", "a g drawn in"),
     ("ǀ", "T", "a click"), ("ǁ", "T", "a click"), ("ǃ", "T", "a click"), ("ǂ", "T", "a click"),
     ("ʘ", "P", "a click of the lips"),
@@ -104,11 +109,13 @@ _AFFRICATES: Final = (
     ("tʃ", "CH", "chin"), ("dʒ", "JH", "joy"), ("tɕ", "CH", "Mandarin jia"),
     ("dʑ", "JH", "Japanese ji"), ("ʈʂ", "CH", "Mandarin zhong"), ("ɖʐ", "JH", "its voiced sister"),
     ("ts", "T S", "cats"), ("dz", "D Z", "adze"), ("tr", "CH", "tree"),
-    ("pf", "P F", "German Pfund"),
+    ("pf", "P F", "German Pfund"), ("tʂ", "CH", "Mandarin zhong"), ("ʧ", "CH", "chin"),
+    ("ʤ", "JH", "joy"), ("ʦ", "T S", "cats"), ("ʨ", "CH", "Mandarin jia"),
+    ("ʥ", "JH", "Japanese ji"),
 )  # fmt: skip
 
 _TABLE: Final = MappingProxyType({
-    ipa: tuple(units.split())
+    unicodedata.normalize("NFD", ipa): tuple(units.split())
     for ipa, units, _ in (*_VOWELS, *_DIPHTHONGS, *_CONSONANTS, *_AFFRICATES)
 })  # fmt: skip
 
@@ -116,9 +123,9 @@ _TABLE: Final = MappingProxyType({
 _OF_LANGUAGE: Final = MappingProxyType({
     (language, ipa): tuple(units.split())
     for language, ipa, units, _ in (
-        ("cmn", "p", "B", "no breath after it, which makes an English b; pʰ is P"),
-        ("cmn", "t", "D", "the same; tʰ is T"),
-        ("cmn", "k", "G", "the same; kʰ is K"),
+        ("cmn", "p", "B", "no breath after it: an English b"), ("cmn", "pʰ", "P", "put"),
+        ("cmn", "t", "D", "no breath after it"), ("cmn", "tʰ", "T", "talk"),
+        ("cmn", "k", "G", "no breath after it"), ("cmn", "kʰ", "K", "cut"),
     )
 })  # fmt: skip
 
@@ -128,8 +135,8 @@ _OF_PHONE: Final = MappingProxyType({
     "ENG": "NG", "DX": "D", "NX": "N", "EL": "L", "WH": "W",
 })  # fmt: skip
 
-_MARKS: Final = str.maketrans({"g": "ɡ"})
-_KEPT: Final = "\N{COMBINING CEDILLA}"  # of ç, a letter of its own
+# Marks that make another sound of a letter: the cedilla of ç, nasal vowels, breath after stops.
+_KEPT: Final = "\N{COMBINING CEDILLA}\N{COMBINING TILDE}ʰ"
 
 
 def units_of(phone: str, ipa: str = "", language: str = "") -> Units:
@@ -155,7 +162,7 @@ def _units_of(phone: str, ipa: str, language: str) -> Units:
 
 def _of_ipa(ipa: str, language: str) -> Units:
     """The units of a sound in IPA; none if it has no letter that the tables know."""
-    plain = _letters(ipa)
+    plain = letters_of(ipa)
     units: list[str] = []
     while plain:
         for length in range(len(plain), 0, -1):
@@ -168,11 +175,10 @@ def _of_ipa(ipa: str, language: str) -> Units:
     return tuple(units)
 
 
-def _letters(ipa: str) -> str:
-    """The letters of a sound without ties, stress, length, tones and other marks."""
-    parts = unicodedata.normalize("NFD", ipa).translate(_MARKS)
-    letters = (c for c in parts if unicodedata.category(c) in ("Ll", "Lo") or c in _KEPT)
-    return unicodedata.normalize("NFC", "".join(letters))
+def letters_of(ipa: str) -> str:
+    """What of a sound the tables go by: its letters and `_KEPT`; no stress, length, tones, ties."""
+    parts = unicodedata.normalize("NFD", ipa.replace("g", "ɡ"))
+    return "".join(c for c in parts if unicodedata.category(c) in ("Ll", "Lo") or c in _KEPT)
 
 
 def all_units(phones: Sequence[str], ipa: Sequence[str], language: str) -> tuple[Units, ...]:
