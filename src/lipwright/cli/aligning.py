@@ -48,9 +48,9 @@ dictionary_option = click.option(
     "--dictionary", type=Path, help="File of pronunciations: a WORD and its ARPABET phones a line."
 )
 language_option = click.option(
-    "--language", "-l", default="en", show_default=True,
+    "--language", "-l",
     help="Language of the words: en, en-gb, sv, cmn, de, es, fr, it, nl, pt, ja, another that "
-    "espeak-ng speaks, or auto.",
+    "espeak-ng speaks, or auto.  [default: en, or of words that are recognised, what is heard]",
 )  # fmt: skip
 
 
@@ -61,7 +61,7 @@ class Listening:
     recogniser: str
     model: str | None
 
-    def options(self, language: str, dictionary: Path | None) -> AlignOptions:
+    def options(self, language: str | None, dictionary: Path | None) -> AlignOptions:
         """The options of the pipeline.
 
         Raises:
@@ -165,7 +165,7 @@ def say_done(targets: tuple[str, ...], track: PhoneTrack, progress: str) -> None
 def align(
     speech: str, text: str | None, out: tuple[str, ...],
     format: str | None,  # noqa: A002  # as the option is called
-    dictionary: Path | None, language: str, listening: Listening, progress: str,
+    dictionary: Path | None, language: str | None, listening: Listening, progress: str,
 ) -> None:  # fmt: skip
     """Find when each word and phone of a recording is said.
 

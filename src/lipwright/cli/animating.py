@@ -81,7 +81,7 @@ Examples:
 def animate(
     speech: str, text: str | None, phones: Path | None, out: tuple[str, ...],
     format: str | None,  # noqa: A002  # as the option is called
-    motion: Motion, layers: Layers, dictionary: Path | None, language: str,
+    motion: Motion, layers: Layers, dictionary: Path | None, language: str | None,
     listening: Listening, wanted: Wanted, progress: str,
 ) -> None:  # fmt: skip
     """Make a face speak a recording: curves, an animated head, a video.

@@ -7,6 +7,7 @@ import click
 from lipwright.cli import (
     aligning,
     animating,
+    asr,
     bigram_fitting,
     bigram_tools,
     bigrams,
@@ -59,6 +60,7 @@ rigs.rigs.add_command(rig_transfer.transfer)
 rigs.rigs.add_command(rig_bones.bones)
 app.add_command(phones.phones)
 app.add_command(saying.voices)
+app.add_command(asr.asr)
 app.add_command(heads.head)
 app.add_command(listing.formats)
 app.add_command(listing.doctor)

@@ -68,7 +68,7 @@ FAILED_STATUS = 2  # some recordings could not be captured; the others were
 def capture(
     faces: tuple[Path, ...], audio: Path | None, transcripts: Path | None, phones: Path | None,
     out: Path, reject: bool, licence: str, name: str, jobs: int | None, tracker: str,
-    asymmetric: bool, fps: float, dictionary: Path | None, language: str, progress: str,
+    asymmetric: bool, fps: float, dictionary: Path | None, language: str | None, progress: str,
 ) -> int:  # fmt: skip
     """Turn videos of a speaker, or Live Link Face recordings, into a dataset."""
     from lipwright.capture.job import CaptureOptions
@@ -78,7 +78,7 @@ def capture(
 
     sources = find_sources(faces, audio, transcripts, phones)
     options = CaptureOptions(
-        language=language, dictionary=dictionary, tracker=tracker, fps=fps, tied=not asymmetric,
+        language=language or "en", dictionary=dictionary, tracker=tracker, fps=fps, tied=not asymmetric,
         reject=reject, name=name, licence=licence,
     )  # fmt: skip
     keeps(f"what was captured is kept in {out}; run the same command to go on")

@@ -10,7 +10,14 @@ from lipwright.formats.intervals import fit_track
 from lipwright.pipeline.motion import animate_track
 from lipwright.pipeline.options import AnimateOptions, PathLike, Report, quiet
 from lipwright.pipeline.values import Result
-from lipwright.pipeline.words import ALIGNMENT_RATE, AlignOptions, align_sound, hear_sound
+from lipwright.pipeline.words import (
+    ALIGNMENT_RATE,
+    DEFAULT,
+    AlignOptions,
+    align_sound,
+    hear_sound,
+    language_of,
+)
 from lipwright.streams import read_timings
 from lipwright.track import PhoneTrack
 
@@ -70,4 +77,8 @@ def _given(phones: PathLike | PhoneTrack, sound: AudioFile, options: AlignOption
     if isinstance(phones, PhoneTrack):
         places = [f"phone {number}" for number in range(1, len(phones) + 1)]
         return fit_track("phones", phones, places, sound.duration)
-    return read_timings(phones, language=options.language, duration=sound.duration)
+    return read_timings(
+        phones,
+        language=language_of(options.language or DEFAULT, "", str(phones)),
+        duration=sound.duration,
+    )

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 RecogniserName = Literal["auto", "words", "phones"]
 AUTO: Final = "auto"
+DEFAULT: Final = "en"
 ALIGNMENT_RATE: Final = 16000  # Hz, what the aligner hears
 MOST_WORDS: Final = 20.0  # a second of sound; the fastest speakers reach 11
 SPARE_WORDS: Final = 100  # for notes and marks that are not said
@@ -26,8 +27,9 @@ SPARE_WORDS: Final = 100  # for notes and marks that are not said
 class AlignOptions:
     """How words are put on the sound."""
 
-    language: str = "en"
-    """ISO 639 code or name of the words' language, or "auto" to tell it from the words"""
+    language: str | None = None
+    """ISO 639 code or name of the words' language, or "auto" to tell it from the words; by default
+    English, or where words are recognised, what is heard"""
     dictionary: PathLike | None = None
     """a file of pronunciations that override the lexicon"""
     aligner: str = "sphinx"
@@ -80,7 +82,7 @@ def align_sound(
         LipwrightError: text, dictionary or sound cannot be used, or they do not fit each other.
     """
     options = options or AlignOptions()
-    code = language_of(options.language, text, source)
+    code = language_of(options.language or DEFAULT, text, source)
     dictionary = None if options.dictionary is None else read_dictionary(Path(options.dictionary))
     most = SPARE_WORDS + MOST_WORDS * sound.duration
     if (count := len(text.split())) > most:
@@ -124,7 +126,8 @@ def hear_sound(
         heard, notes = _hear_words(sound, options, report)
         if heard is not None:
             return heard
-    language = "en" if options.language == AUTO else language_of(options.language, "", "")
+    own = options.language
+    language = DEFAULT if own is None or own == AUTO else language_of(own, "", "")
     heard = listen(sound, language, progress=lambda share: report("listen", share))
     return replace(heard, notes=(*notes, *heard.notes))
 
@@ -140,7 +143,8 @@ def _hear_words(
     model = find_model(options.asr_model, needed=asked or options.asr_model is not None)
     if model is None:
         return None, ()
-    language = None if options.language == AUTO else language_of(options.language, "", "")
+    own = options.language
+    language = None if own is None or own == AUTO else language_of(own, "", "")
     found = transcribe(sound, model, language, progress=lambda share: report("listen", share))
     if not found.text:
         return None, ("no words were recognised; the mouth follows the phones that were heard",)
