@@ -10,6 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from lipwright.errors import LipwrightError
@@ -26,10 +27,12 @@ __all__ = [
     "PhoneEvent",
     "Speech",
     "WordEvent",
+    "find_language",
     "is_available",
     "languages",
     "speak",
     "to_ipa",
+    "variants",
     "version",
     "words_to_ipa",
 ]
@@ -45,9 +48,11 @@ MAX_WORDS_PER_MINUTE: Final = 900
 _SAMPLE_RATE: Final = 22_050  # Hz, of every voice that is not MBROLA's
 _TIMEOUT: Final = 20.0  # s; and for each character, which takes about 0.1 ms:
 _TIMEOUT_PER_CHARACTER: Final = 0.01
+_USUAL: Final = MappingProxyType({"en": "en-us", "zh": "cmn"})  # what a code alone means to us
 _BETWEEN: Final = "_"  # phonemes, when we ask for IPA; no phoneme is written with it
 _SWITCH: Final = re.compile(r"\([a-z][a-zA-Z0-9-]*\)")  # "(en)": from here on in that language
 _VOICE: Final = re.compile(r"([A-Za-z0-9-]+)(?:\+([A-Za-z0-9_-]{1,30}))?")
+_VARIANT: Final = re.compile(r"[A-Za-z0-9_-]{1,30}")
 
 
 @dataclass(frozen=True)
@@ -141,6 +146,18 @@ def languages() -> tuple[EspeakLanguage, ...]:
     return tuple(found[code] for code in sorted(found))
 
 
+@cache
+def variants() -> tuple[str, ...]:
+    """What may follow a voice's name and a plus, to change its timbre: "f2", "m3", "croak".
+
+    Raises:
+        LipwrightError: as `version`.
+    """
+    rows = _ask({"verb": "variants"}, 0)[0]["variants"]
+    names = (identifier.rpartition("/")[2] for identifier in rows)
+    return tuple(sorted(name for name in names if _VARIANT.fullmatch(name)))
+
+
 def to_ipa(text: str, language: str, separator: str = "") -> str:
     """The IPA of a text: words with spaces between them, a line for each clause.
 
@@ -176,7 +193,7 @@ def words_to_ipa(texts: Sequence[str], language: str, separator: str = "") -> tu
 def speak(
     text: str, voice: str, *, words_per_minute: int = WORDS_PER_MINUTE, pitch: int = 50,
     pitch_range: int = 50, ssml: bool = False, phoneme_input: bool = False,
-    mnemonics: bool = False,
+    mnemonics: bool = False, end_pause: bool = False,
 ) -> Speech:  # fmt: skip
     """Say a text.
 
@@ -189,6 +206,7 @@ def speak(
         ssml: the text is SSML.
         phoneme_input: [[...]] in the text is espeak-ng's phoneme mnemonics.
         mnemonics: phone events carry mnemonics instead of IPA.
+        end_pause: the pause that follows the last sentence is in the sound.
 
     Raises:
         LipwrightError: no such voice, a character that cannot be said, or as `version`.
@@ -202,7 +220,8 @@ def speak(
     request = {
         "verb": "speak", "voice": identifier, "text": said, "ssml": ssml,
         "wpm": words_per_minute, "pitch": pitch, "range": pitch_range, "phonemes": phoneme_input,
-        "mnemonics": mnemonics, "most_samples": round(MAX_SECONDS * _SAMPLE_RATE),
+        "mnemonics": mnemonics, "end_pause": end_pause,
+        "most_samples": round(MAX_SECONDS * _SAMPLE_RATE),
     }  # fmt: skip
     answer, pcm = _ask(request, len(said))
     return _speech(answer, pcm, None if mnemonics else code)
@@ -233,19 +252,36 @@ def _ask(request: dict[str, Any], characters: int) -> tuple[dict[str, Any], byte
     return header, pcm
 
 
-def _checked_voice(voice: str) -> tuple[str, str]:
-    """The voice as espeak-ng is told, which must not take a name for a path; its code."""
+def find_language(voice: str) -> EspeakLanguage:
+    """The language of a voice's name: a code of `languages()` or of one of its voices.
+
+    Raises:
+        LipwrightError: there is none; lists the known codes.
+    """
     known = {language.code: language for language in languages()}
     match = _VOICE.fullmatch(voice)
-    code = "" if match is None else match[1].lower()
+    code = "" if match is None else _USUAL.get(match[1].lower(), match[1].lower())
     also = {other.lower(): language.code for language in reversed(known.values())
             for other in language.codes}  # fmt: skip
-    code = code if code in known else also.get(code, "")
-    if match is None or not code:
+    found = known.get(code) or known.get(also.get(code, ""))
+    if found is None:
         raise LipwrightError(
             f"espeak-ng has no voice {voice[:80]!r}; use one of: {', '.join(sorted(known))}"
         )
-    return known[code].identifier + (f"+{match[2]}" if match[2] else ""), code
+    variant = match[2] if match is not None else None
+    if variant and variant not in variants():
+        raise LipwrightError(
+            f"espeak-ng has no variant {variant!r} of its voices; use one of: "
+            f"{', '.join(variants())}"
+        )
+    return found
+
+
+def _checked_voice(voice: str) -> tuple[str, str]:
+    """The voice as espeak-ng is told, which must not take a name for a path; its code."""
+    language = find_language(voice)
+    variant = voice.partition("+")[2]
+    return language.identifier + (f"+{variant}" if variant else ""), language.code
 
 
 def _plain(text: str, brackets: bool = False) -> str:

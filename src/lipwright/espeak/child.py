@@ -27,6 +27,7 @@ DONT_EXIT: Final = 0x8000
 UTF8: Final = 1  # of espeak_Synth and espeak_TextToPhonemes
 SSML: Final = 0x10
 PHONEMES: Final = 0x100  # [[...]] is phoneme mnemonics
+END_PAUSE: Final = 0x1000  # the pause after the last sentence is made too
 RATE: Final = 1  # parameters
 PITCH: Final = 3
 RANGE: Final = 4
@@ -152,6 +153,17 @@ class Engine:
             rows.append([*texts, codes])
         return {"voices": rows}, b""
 
+    def variants(self, request: dict[str, Any]) -> Answer:
+        """The identifiers of all voices that only change another one's timbre."""
+        del request
+        wanted = _Voice(languages=ctypes.cast(ctypes.c_char_p(b"variant"), ctypes.c_void_p))
+        found, index = self._lib.espeak_ListVoices(ctypes.byref(wanted)), 0
+        names = []
+        while found[index]:
+            names.append(found[index].contents.identifier.decode("utf-8", "replace"))
+            index += 1
+        return {"variants": [name for name in names if name.startswith("!v/")]}, b""
+
     def _choose(self, voice: str) -> None:
         if self._lib.espeak_SetVoiceByName(voice.encode()) != 0:
             raise _RefusedError(f"has no voice {voice!r}")
@@ -177,14 +189,18 @@ class Engine:
         for parameter, name in ((RATE, "wpm"), (PITCH, "pitch"), (RANGE, "range")):
             self._lib.espeak_SetParameter(parameter, request[name], 0)
         self._lib.espeak_ng_SetPhonemeEvents(1, int(not request["mnemonics"]))
-        flags = UTF8 | (SSML if request["ssml"] else 0) | (PHONEMES if request["phonemes"] else 0)
+        flags = UTF8
+        for flag, name in ((SSML, "ssml"), (PHONEMES, "phonemes"), (END_PAUSE, "end_pause")):
+            flags |= flag if request[name] else 0
         self._most = request["most_samples"] * SAMPLE_BYTES
         try:
             self._synthesise(request["text"], flags)
             pcm, events = bytes(self._pcm), self._events
         finally:
             self._pcm, self._events = bytearray(), []
-            if flags != UTF8:  # the library remembers them when it translates without sound
+            if flags & (
+                SSML | PHONEMES
+            ):  # the library remembers them when it translates without sound
                 self._synthesise(" ", UTF8)
                 self._pcm, self._events = bytearray(), []
         if len(pcm) > self._most:
@@ -211,6 +227,7 @@ def serve(engine: Engine, requests: IO[bytes], answers: IO[bytes]) -> None:
     """Answer until there are no more requests."""
     verbs: dict[str, Callable[[dict[str, Any]], Answer]] = {
         "voices": engine.voices,
+        "variants": engine.variants,
         "ipa": engine.ipa,
         "speak": engine.speak,
     }

@@ -13,16 +13,17 @@ from types import MappingProxyType
 from typing import Final
 
 _MANDARIN: Final[Mapping[str, str]] = MappingProxyType({
-    "ph": "pʰ", "th": "tʰ", "kh": "kʰ",  # Pa, Ta, Ka
+    # Ba, Da, Ge: without voice, but soft, as the phone table and pinyin have them; Pa, Ta, Ka
+    "p": "b̥", "t": "d̥", "k": "ɡ̊", "ph": "pʰ", "th": "tʰ", "kh": "kʰ",
     "tsh": "tsʰ", "ts.": "ʈʂ", "ts.h": "ʈʂʰ", "s.": "ʂ",  # Ca, ZHa, CHa, SHa
-    "tɕh": "tɕʰ", "χ": "x",  # Qi, He
+    "tɕh": "tɕʰ", "χ": "h",  # Qi, He
     "i.": "ʅ", "i̪": "ɿ", "ər": "ɝ",  # shI, sI, ER
     "iɑ": "jɑ", "iɑu": "jɑu", "iɛ": "jɛ", "io": "jʊ", "iou": "jou",  # jIA, jIAO, jIE, qIONG, jIU
     "onɡ": "ʊŋ", "uə": "wə", "uɑ": "wɑ", "ua": "wa", "uai": "wai",  # zhONG, chUN, guANG, guA, guAI
     "uei": "wei", "uo": "wo",  # guI, guO
     "yæ": "ɥɛ", "yɛ": "ɥɛ", "yu": "ɥʊ",  # yUAN, yUE, yONG
     "yə": "y", "yi": "y",  # yUN
-    "n-": "n̩", "m-": "m̩", "ŋ-": "ŋ̍", "o-": "o",
+    "n-": "n̩", "m-": "m̩", "ŋ-": "ŋ̍", "o-": "ɤ",
 })  # fmt: skip
 
 CORRECTIONS: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType({

@@ -1,0 +1,171 @@
+"""Stretches of speech with their phones, put one after the other into one utterance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from lipwright.audio import Audio
+from lipwright.phones import BILABIALS, SILENCE
+from lipwright.speech.voices.values import Utterance
+from lipwright.track import PhoneTrack, Word
+
+Samples = npt.NDArray[np.float32]
+
+LEAST: Final = 0.015  # s, of a phone that the voice gave no time
+LEAST_CLOSURE: Final = 0.03  # s, of p b m, which must be seen
+AROUND: Final = 0.05  # s of silence before the first phone and after the last, at least
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A phone in a stretch of speech; it lasts until the next one begins."""
+
+    phone: str
+    """symbol of the phone table, or sil"""
+    start: int
+    """samples from the start of the stretch"""
+    stress: int | None = None
+    """as in a phone track"""
+    word: int | None = None
+    """index of its word among those of the stretch"""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Speech with its phones."""
+
+    samples: Samples
+    """(N,)"""
+    phones: tuple[Timed, ...]
+    """in order; what is before the first is silence"""
+    words: tuple[str, ...]
+    """as written, without white space"""
+
+    def trimmed(self, start: bool, end: bool) -> Stretch:
+        """The stretch without the silence at one end or both."""
+        phones, samples = list(self.phones), self.samples
+        while phones and phones[0].phone == SILENCE:
+            phones.pop(0)
+        if end:
+            while phones and phones[-1].phone == SILENCE:
+                samples = samples[: phones.pop().start]
+        if not phones:
+            return Stretch(samples[:0], (), ())
+        cut = phones[0].start if start else 0
+        moved = tuple(replace(phone, start=phone.start - cut) for phone in phones)
+        return Stretch(samples[cut:], moved, self.words)
+
+
+class Timeline:
+    """Stretches and silences at one rate, one after the other."""
+
+    def __init__(self, rate: int) -> None:
+        """`rate` in samples a second."""
+        self.rate = rate
+        self._samples: list[Samples] = []
+        self._length = 0
+        self._phones: list[Timed] = []
+        self._words: list[str] = []
+
+    @property
+    def says_something(self) -> bool:
+        """Whether there is a phone that is not silence."""
+        return any(phone.phone != SILENCE for phone in self._phones)
+
+    def silence(self, seconds: float) -> None:
+        """Silence, exact to the sample."""
+        count = round(seconds * self.rate)
+        if count:
+            self._begin(SILENCE)
+            self._push(np.zeros(count, np.float32))
+
+    def add(self, stretch: Stretch) -> None:
+        """A stretch."""
+        if not len(stretch.samples):
+            return
+        if not stretch.phones or stretch.phones[0].start > 0:
+            self._begin(SILENCE)
+        shift, first_word = self._length, len(self._words)
+        for phone in stretch.phones:
+            if phone.phone == SILENCE and self._phones and self._phones[-1].phone == SILENCE:
+                continue
+            word = None if phone.word is None else phone.word + first_word
+            self._phones.append(replace(phone, start=phone.start + shift, word=word))
+        self._words += stretch.words
+        self._push(stretch.samples)
+
+    def utterance(self, text: str) -> Utterance:
+        """All of it, with silence around it.
+
+        Raises:
+            ValueError: nothing is said.
+        """
+        if not self.says_something:
+            raise ValueError("an utterance without phones")
+        head = self._missing(0) if self._phones[0].phone == SILENCE else AROUND
+        tail = self._missing(-1) if self._phones[-1].phone == SILENCE else AROUND
+        before, after = (np.zeros(round(s * self.rate), np.float32) for s in (head, tail))
+        samples: Samples = np.concatenate([before, *self._samples, after]).astype(np.float32)
+        phones = list(self._phones)
+        if phones[-1].phone != SILENCE:
+            phones.append(Timed(SILENCE, self._length))
+        starts = [phone.start + len(before) for phone in phones]
+        if phones[0].phone == SILENCE:
+            starts[0] = 0
+        else:
+            phones.insert(0, Timed(SILENCE, 0))
+            starts.insert(0, 0)
+        edges = self._rising(phones, [*starts, len(samples)])
+        track = PhoneTrack(
+            tuple(phone.phone for phone in phones), edges / self.rate, self._spans(phones),
+            tuple(phone.stress for phone in phones),
+        )  # fmt: skip
+        loudest = max(1.0, float(np.abs(samples).max(initial=0.0)))
+        samples = (samples / loudest).astype(np.float32)
+        return Utterance(Audio(samples, self.rate), track, text)
+
+    def _begin(self, phone: str) -> None:
+        if not self._phones or self._phones[-1].phone != phone:
+            self._phones.append(Timed(phone, self._length))
+
+    def _push(self, samples: Samples) -> None:
+        self._samples.append(samples)
+        self._length += len(samples)
+
+    def _missing(self, index: int) -> float:
+        """S that the silence at one end lacks."""
+        ends = [*(phone.start for phone in self._phones), self._length]
+        lasts = ends[1] if index == 0 else ends[-1] - ends[-2]
+        return max(0.0, AROUND - lasts / self.rate)
+
+    def _rising(self, phones: Sequence[Timed], edges: list[int]) -> npt.NDArray[np.float64]:
+        """(P + 1,), the edges, moved where a phone would have no time."""
+        leasts = [LEAST_CLOSURE if one.phone in BILABIALS else LEAST for one in phones]
+        least = np.round(np.asarray(leasts) * self.rate)
+        room = edges[-1] - edges[0]
+        if least.sum() > room:
+            least = least * (room / least.sum())
+        # A sound that got no time is most often heard at the end of the one before it, so first
+        # each takes from what is before; the second way lets none begin too early.
+        moved = np.asarray(edges, np.float64)
+        for index in range(len(phones) - 1, 0, -1):
+            moved[index] = min(moved[index], moved[index + 1] - least[index])
+        for index in range(1, len(phones)):
+            moved[index] = max(moved[index], moved[index - 1] + least[index - 1])
+        return moved
+
+    def _spans(self, phones: Sequence[Timed]) -> tuple[Word, ...]:
+        """The words as runs of phones; one without a phone is left out."""
+        places: dict[int, list[int]] = {}
+        for index, phone in enumerate(phones):
+            if phone.word is not None and phone.phone != SILENCE:
+                places.setdefault(phone.word, []).append(index)
+        return tuple(
+            Word(self._words[word], found[0], found[-1] + 1)
+            for word, found in sorted(places.items())
+        )
