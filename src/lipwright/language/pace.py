@@ -73,6 +73,7 @@ def spoken_track(text: str, language: str = "en", source: str = "text") -> Phone
     said = speaker.normalize(text, source)
     if len(said) > MAX_WORDS:
         raise LipwrightError(f"{source}: {len(said)} words; give at most {MAX_WORDS}, a line")
+    ways = speaker.pronounce_all(said)
     phones, lengths, words = [SILENCE], [EDGE_SILENCE], []
     for number, word in enumerate(said):
         of_token = number + 1 < len(said) and (word.line, word.column) == (
@@ -80,7 +81,7 @@ def spoken_track(text: str, language: str = "en", source: str = "text") -> Phone
         )  # fmt: skip
         last = number + 1 == len(said)
         pause = EDGE_SILENCE if last else 0.0 if of_token else pause_after(word)
-        way = speaker.pronounce(word.text)[0].phones
+        way = ways[number][0].phones
         words.append(Word(word.text, len(phones), len(phones) + len(way)))
         phones += way
         lengths += _lengths(way, before_pause=pause > 0)
