@@ -23,6 +23,7 @@ __all__ = [
 
 LANGUAGES: Final = MappingProxyType({
     "en": "lipwright.language.english",
+    "sv": "lipwright.language.swedish",
     "cmn": "lipwright.language.mandarin",
 })  # fmt: skip
 """code to the module that makes the language, by its function `make(code) -> Language`"""

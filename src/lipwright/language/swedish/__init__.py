@@ -1,0 +1,162 @@
+"""Central Standard Swedish, with the lexicon of gruut, inflection and compounds by rule."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from lipwright.errors import LipwrightError
+from lipwright.language.base import Phoneme, Pronunciation, Source, SpokenWord
+from lipwright.language.dictionary import Dictionary, word_key
+from lipwright.language.swedish.assimilation import RETROFLEX, assimilate, open_before_r
+from lipwright.language.swedish.common import WAYS
+from lipwright.language.swedish.letters import by_rule
+from lipwright.language.swedish.lexicon import Sounds, SwedishLexicon
+from lipwright.language.swedish.numbers import split_number
+from lipwright.language.swedish.sounds import INVENTORY, plain, pronunciation
+from lipwright.language.swedish.text import Reader, is_pause
+from lipwright.language.swedish.words import Compounds, inflected, join_parts
+
+_LETTERS: Final = re.compile(r"[^\W\d_]+")
+_ENDED: Final = re.compile(r"(?P<base>[^\W\d_]+):(?P<end>[^\W\d_]+)")  # "tv:n"
+
+
+@dataclass(frozen=True)
+class _Way:
+    """A way to say a word before it meets its neighbours."""
+
+    sounds: Sounds
+    """empty for the user's own"""
+    source: Source
+    phones: tuple[str, ...] = ()
+    """the user's own"""
+
+
+class Swedish:
+    """The language with the code "sv"."""
+
+    code = "sv"
+    name = "Swedish"
+
+    def __init__(self) -> None:
+        """Nothing is read until a word is asked for."""
+        self._known: dict[str, tuple[_Way, ...]] = {}
+
+    @cached_property
+    def lexicon(self) -> SwedishLexicon:
+        """The lexicon of gruut, mended."""
+        return SwedishLexicon()
+
+    @cached_property
+    def _compounds(self) -> Compounds:
+        return Compounds(self._lookup)
+
+    def normalize(
+        self, text: str, source: str = "text", dictionary: Dictionary | None = None
+    ) -> tuple[SpokenWord, ...]:
+        """The words of `text` as they are spoken, as `Language.normalize` describes it."""
+        return Reader(self._lookup, dictionary).read(text, source)
+
+    def pronounce(
+        self, word: str, dictionary: Dictionary | None = None
+    ) -> tuple[Pronunciation, ...]:
+        """The ways to say a word: the user's, else the lexicon's, else by its parts, else guessed.
+
+        Raises:
+            LipwrightError: the word has no letters.
+        """
+        return _where_it_stands(self._with_source(word, dictionary), "", "")
+
+    def pronounce_all(
+        self, words: Sequence[SpokenWord], dictionary: Dictionary | None = None
+    ) -> tuple[tuple[Pronunciation, ...], ...]:
+        """The ways to say each word where it stands: r and dentals meet over word edges.
+
+        "har du" is hɑː ɖʉː, but not over a comma or a stop, nor after a long r. The words as they
+        are alone are given behind, for a speaker who parts them.
+        """
+        ways = {text: self._with_source(text, dictionary) for text in {w.text for w in words}}
+        rows = [ways[word.text] for word in words]
+        ends = [_end(row) for row in rows]
+        said = []
+        for index, row in enumerate(rows):
+            first, last = index == 0, index == len(rows) - 1
+            before = "" if first or is_pause(words[index - 1], words[index]) else ends[index - 1]
+            meets = not last and not is_pause(words[index], words[index + 1])
+            follows = _start(rows[index + 1]) if meets else ""
+            said.append(_where_it_stands(row, before, follows))
+        return tuple(said)
+
+    def inventory(self) -> tuple[Phoneme, ...]:
+        """The 42 sounds of the thesis, and long ö before r."""
+        return INVENTORY
+
+    def _lookup(self, word: str) -> tuple[Sounds, ...]:
+        if word in WAYS:
+            return tuple(tuple(way.split()) for way in WAYS[word])
+        return self.lexicon.lookup(word)
+
+    def _with_source(self, word: str, dictionary: Dictionary | None) -> tuple[_Way, ...]:
+        """The user's ways to say a word, or ours."""
+        if dictionary and (ways := dictionary.lookup(word)):
+            return tuple(_Way((), "dictionary", way) for way in ways)
+        word = word_key(word)
+        if word not in self._known:
+            self._known[word] = tuple(_Way(*way) for way in self._ways(word))
+        return self._known[word]
+
+    def _ways(self, word: str) -> tuple[tuple[Sounds, Source], ...]:
+        """The ways to say a word, before r and dentals meet."""
+        if parts := split_number(word):
+            return ((join_parts(self._lookup(part)[0] for part in parts), "lexicon"),)
+        if found := _ENDED.fullmatch(word):
+            ending = by_rule(found["end"])
+            return tuple(
+                ((*way, *map(plain, ending)), "rule") for way in self._lookup(found["base"])
+            )
+        if ways := self._lookup(word):
+            return tuple((way, "lexicon") for way in ways)
+        if ways := inflected(word, self._lookup):
+            return tuple((way, "rule") for way in ways)
+        letters = "".join(_LETTERS.findall(word))
+        if not letters:
+            raise LipwrightError(
+                f"{word!r} cannot be pronounced; spell it in letters, or add it to the dictionary"
+            )
+        sounds, is_sure = self._compounds.say(letters)
+        return ((sounds, "rule" if is_sure else "g2p"),)
+
+
+def _end(row: Sequence[_Way]) -> str:
+    """The last sound of a word's first way, as far as it curls the dentals behind it."""
+    last = assimilate(row[0].sounds)[-1:]
+    return last[0] if last else ""
+
+
+def _start(row: Sequence[_Way]) -> str:
+    """The first sound of a word's first way."""
+    return row[0].sounds[0] if row[0].sounds else ""
+
+
+def _where_it_stands(row: Sequence[_Way], before: str, follows: str) -> tuple[Pronunciation, ...]:
+    """The ways of one word behind the sound `before` and before the sound `follows`, then alone."""
+    said = []
+    for one, other in ((before, follows), ("", "")):
+        for way in row:
+            if not way.sounds:
+                said.append(Pronunciation(way.phones, way.source))
+                continue
+            sounds = open_before_r(assimilate(way.sounds, one))
+            if other in RETROFLEX and sounds[-1] == "r" and len(sounds) > 1:
+                sounds = sounds[:-1]
+            said.append(pronunciation(sounds, way.source))
+    return tuple(dict.fromkeys(said))
+
+
+def make(code: str) -> Swedish:
+    """The language of `LANGUAGES`."""
+    del code
+    return Swedish()
