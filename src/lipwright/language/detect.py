@@ -18,7 +18,7 @@ from typing import Any, Final
 from lipwright.errors import LipwrightError
 from lipwright.language.codes import NAMES, OURS
 from lipwright.language.frequent_words import ALPHABETS, FREQUENT_WORDS
-from lipwright.language.scripts import SCRIPTS_OF, count_scripts
+from lipwright.language.scripts import SCRIPTS_OF, USUAL, count_scripts, script_of
 
 _ENOUGH: Final = 6_000  # characters of the text that are looked at
 _SURE: Final = 0.6  # confidence from which on it is no guess; calibrated in docs/log.md
@@ -28,8 +28,8 @@ _DOMINANT: Final = 0.6  # share of the letters
 _CANTONESE: Final = frozenset("嘅唔佢哋咗喺冇嚟啲嗰咁諗攞")
 
 # Frequent words: a language with so many and so much more than the next is told without more.
-_CLEAR_SCORE: Final = 1.5
-_CLEAR_RATIO: Final = 2.0
+_CLEAR_SCORE: Final = 1.0  # a word that no other has
+_CLEAR_RATIO: Final = 2.5
 _CLEAR_SHARE: Final = 0.2  # of the words
 _WORD: Final = re.compile(r"[^\W\d_]+(?:['’][^\W\d_]+)?")
 _STRANGE: Final = 0.5  # what a word with a letter that a language lacks counts against it
@@ -37,7 +37,7 @@ _STRANGE: Final = 0.5  # what a word with a letter that a language lacks counts 
 # The classifier's natural logarithms of likelihood, and what is added to them.
 _OURS_LIKELIER: Final = 4.0
 _PER_WORD: Final = 4.0  # for each point of the frequent words' score
-_LETTERS: Final = 6.0  # letters of a text that may well be wrong
+_LETTERS: Final = 4.0  # letters of a text that may well be wrong
 _CLASSES: Final = MappingProxyType({"zh": "cmn", "no": "nb", "nn": "nb"})  # py3langid's to ours
 
 _TONED: Final = re.compile("[a-zü:]*(?:[āáǎàēéěèīíǐìōóǒòūúǔùǖǘǚǜ][a-zü:]*)+|(?:[a-zü:]+[1-5])+")
@@ -48,11 +48,12 @@ def detect_language(
 ) -> tuple[str, float]:
     """The code of the language of a text, and how sure that is, from 0 to 1.
 
-    English is always "en". `source` names the text in errors.
+    English is always "en".
 
     Args:
         text: words; a few are enough in most languages.
         among: the codes that it may have; None is all that Lipwright and espeak-ng know.
+        source: names the text in errors.
 
     Raises:
         LipwrightError: it has no letters, or it may be one of several languages.
@@ -104,24 +105,26 @@ def check_language(text: str, code: str, source: str = "text") -> str:
 
 def _told(text: str, script: str, fitting: list[str]) -> tuple[str, float]:
     """The likeliest of the languages of a script, and how likely."""
-    if script == "Han" and "yue" in fitting and len(_CANTONESE.intersection(text)) > 1:
-        return "yue", 0.9
     if script == "Han" and "cmn" in fitting:
-        return "cmn", 0.95
-    if script == "Kana" and "ja" in fitting:
-        return "ja", 0.99
+        cantonese = "yue" in fitting and len(_CANTONESE.intersection(text)) > 1
+        return ("yue", 0.9) if cantonese else ("cmn", 0.95)
     if len(fitting) == 1:
         return fitting[0], 0.99
-    if script != "Latin":
-        return _classified(text, fitting, {})
-    if "cmn" in fitting and (sure := _pinyin(text)):
-        return "cmn", sure
+    if script == "Latin":
+        return (
+            ("cmn", 0.97) if "cmn" in fitting and _is_pinyin(text) else _told_latin(text, fitting)
+        )
+    return _classified(text, fitting, {})
+
+
+def _told_latin(text: str, fitting: list[str]) -> tuple[str, float]:
+    """The likeliest of the languages in Latin letters, and how likely."""
     words = _words(text)
     scores = {code: score for code, score in _scores(words).items() if code in fitting}
     best = max(scores, key=scores.__getitem__, default="")
     if best and _is_clear(scores, best, len(words)):
         return best, 0.97
-    return _classified(text, [code for code in fitting if script == SCRIPTS_OF[code][0]], scores)
+    return _classified(text, [code for code in fitting if SCRIPTS_OF[code][0] == "Latin"], scores)
 
 
 def _words(text: str) -> list[str]:
@@ -156,22 +159,22 @@ def _is_clear(
     )  # fmt: skip
 
 
-def _pinyin(text: str) -> float:
-    """How sure it is that a text is pinyin with tones; 0 if it is not."""
+def _is_pinyin(text: str) -> bool:
+    """Whether a text is pinyin with tones."""
     from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
 
     tokens = [token.strip("\"'.,;:!?()-“”‘’…") for token in text.lower().split()]
     tokens = [unicodedata.normalize("NFC", token) for token in tokens if token]
     toned = sum(bool(_TONED.fullmatch(token)) for token in tokens)
     if not tokens or toned < 0.4 * len(tokens):
-        return 0.0
+        return False
     read = 0
     for token in tokens:
         try:
             read += bool(syllables_of(token))
         except NotPinyinError:
             continue
-    return 0.97 if read >= 0.9 * len(tokens) else 0.0
+    return read >= 0.9 * len(tokens)
 
 
 def _classified(
@@ -206,13 +209,12 @@ def _plain(text: str) -> str:
 
 
 def _misfit(text: str, script: str, code: str, source: str) -> str:
-    from lipwright.language.scripts import script_of
-
     at = next(index for index, char in enumerate(text) if script_of(char) == script)
     line = text.count("\n", 0, at) + 1
     column = at - text.rfind("\n", 0, at)
-    others = [other for other in NAMES if SCRIPTS_OF[other][0] == script][:3]
-    remedy = f"such as {' or '.join(others)}" if others else "that is written so"
+    others = [other for other in NAMES if SCRIPTS_OF[other][0] == script]
+    other = USUAL.get(script, others[0] if others else "")
+    remedy = f"such as {other}" if other else "that is"
     names = {"Han": "Chinese characters", "Kana": "kana"}
     return (
         f"{source}: line {line}, column {column}: {_short(text[at:])} is written in "

@@ -39,8 +39,9 @@ _WRITTEN: Final = MappingProxyType({
     "be": "Cyrillic", "bg": "Cyrillic", "mk": "Cyrillic", "sr": "Cyrillic Latin",
     "bs": "Latin Cyrillic", "hr": "Latin Cyrillic", "ba": "Cyrillic", "cv": "Cyrillic",
     "kk": "Cyrillic Latin Arabic", "kaa": "Latin Cyrillic", "ky": "Cyrillic",
-    "tt": "Cyrillic Latin", "nog": "Cyrillic", "uz": "Latin Cyrillic", "tk": "Latin Cyrillic", "az": "Latin Cyrillic",
-    "ro": "Latin Cyrillic", "el": "Greek", "grc": "Greek", "hy": "Armenian", "hyw": "Armenian",
+    "tt": "Cyrillic Latin", "nog": "Cyrillic", "uz": "Latin Cyrillic", "tk": "Latin Cyrillic",
+    "az": "Latin Cyrillic", "ro": "Latin Cyrillic", "el": "Greek", "grc": "Greek",
+    "hy": "Armenian", "hyw": "Armenian",
     "ka": "Georgian", "he": "Hebrew", "ar": "Arabic", "fa": "Arabic", "ur": "Arabic",
     "ug": "Arabic Latin Cyrillic", "sd": "Arabic Devanagari", "ku": "Latin Arabic",
     "ms": "Latin Arabic", "am": "Ethiopic", "ti": "Ethiopic", "hi": "Devanagari",
@@ -55,6 +56,13 @@ SCRIPTS_OF: Final = MappingProxyType(
     {code: tuple(_WRITTEN.get(code, "Latin").split()) for code in NAMES}
 )
 """code to the scripts that it is written in, the usual one first"""
+
+USUAL: Final = MappingProxyType({
+    "Latin": "en", "Han": "cmn", "Kana": "ja", "Cyrillic": "ru", "Arabic": "ar",
+    "Devanagari": "hi", "Bengali": "bn", "Armenian": "hy", "Burmese": "my", "Ethiopic": "am",
+    "Greek": "el", "Gurmukhi": "pa",
+})  # fmt: skip
+"""script to the language with the most speakers, where several are written in it"""
 
 # Letters of Latin script in the room that one letter of these takes for the same words.
 _WEIGHTS: Final = MappingProxyType({"Han": 3, "Kana": 2, "Hangul": 3})
