@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,20 +15,17 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.audio import Audio
 from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, get_language
 from lipwright.phones import SILENCE
 from lipwright.speech.voices.hibari_text import G2P, Line, script_lines
-from lipwright.speech.voices.hibari_times import FRAME, LAG, RATE, Timed, time_line
+from lipwright.speech.voices.hibari_times import FRAME, LAG, RATE, time_line
 from lipwright.speech.voices.onnx_outputs import input_of, with_output
+from lipwright.speech.voices.timeline import Samples, Stretch, Timed, Timeline
 from lipwright.speech.voices.values import Emphasis, Script, Utterance, VoiceInfo
-from lipwright.track import PhoneTrack, Word
 
 if TYPE_CHECKING:
     from lipwright.speech.aligner import Progress
-
-Samples = npt.NDArray[np.float32]
 
 NAME: Final = "hibari"
 SEED: Final = 0  # of the noise in its sound: the same text sounds the same every time
@@ -38,7 +35,6 @@ _MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibar
 _PITCH: Final = 5  # output in Hz
 _STEPS: Final = 2  # of `hibari.dsp.HOP` in a FRAME
 _ODD_ONES_OUT: Final = 3  # severity from which onnxruntime speaks up
-_LEAST_SILENCE: Final = round(0.05 * RATE)  # samples before the first phone and after the last
 _RAMP: Final = 4  # steps in which a word's emphasis comes and goes: 50 ms
 
 
@@ -89,16 +85,19 @@ class HibariVoice:
         code = self._info.language if self._info.language in LANGUAGES else "en"
         known = frozenset(self._vocabulary)
         before, lines = script_lines(script, get_language(code), self._g2p, known, source)
-        said = _Said()
-        said.pause(before)
+        timeline = Timeline(RATE)
+        tail: Samples = np.zeros(0, np.float32)
+        pause = before or None
         for number, line in enumerate(lines, 1):
-            samples, timed = self._say(line, number)
-            said.add(line, samples, timed)
-            if line.pause is not None:
-                said.pause(line.pause)
+            samples = self._say(line, number)
+            head, body, rest = time_line(line.letters, line.sounds, *samples)
+            timeline.add(_bridge(tail, head, pause, at_end=number == 1))
+            timeline.add(replace(body, words=line.words))
+            tail, pause = rest, line.pause
             if progress:
                 progress(number / len(lines))
-        return said.utterance(" ".join(piece.text for piece in script if piece.text))
+        timeline.add(_bridge(tail, tail[:0], pause, at_end=True))
+        return timeline.utterance(" ".join(piece.text for piece in script if piece.text))
 
     @cached_property
     def _vocabulary(self) -> dict[str, int]:
@@ -129,7 +128,8 @@ class HibariVoice:
                 f"hibari fetch it again: hibari --voice {self._info.name.partition(':')[2]} hello"
             ) from error
 
-    def _say(self, line: Line, number: int) -> tuple[Samples, Timed]:
+    def _say(self, line: Line, number: int) -> tuple[npt.NDArray[np.int64], Samples]:
+        """The FRAMEs of each letter, and the sound."""
         from hibari import dsp
 
         ids = [0, *(self._vocabulary[letter] for letter in line.letters), 0]
@@ -141,7 +141,7 @@ class HibariVoice:
         spectra: list[npt.NDArray[np.float32]] = [part[0] for part in parts]
         _emphasise(spectra, line, frames)
         samples: Samples = dsp.synth(*spectra, np.random.default_rng([SEED, number]))
-        return samples, time_line(line.letters, line.sounds, frames, samples)
+        return frames, samples
 
 
 def _load_g2p(british: bool) -> G2P:
@@ -180,93 +180,24 @@ def _emphasise(
         pitch *= 1 + share * np.float32(manner.pitch - 1)
 
 
-class _Said:
-    """Lines one after the other."""
+def _bridge(tail: Samples, head: Samples, pause: float | None, at_end: bool) -> Stretch:
+    """The silence between two lines, with the sound that one ends and the other begins with.
 
-    def __init__(self) -> None:
-        self._samples: list[Samples] = []
-        self._length = 0
-        self._phones: list[str] = []
-        self._edges: list[int] = [0]
-        self._stress: list[int | None] = []
-        self._words: list[Word] = []
-        self._pause: int | None = None
-
-    def pause(self, seconds: float) -> None:
-        """Silence that lasts so long from the last phone to the next."""
-        if seconds or self._phones:
-            self._pause = (self._pause or 0) + round(seconds * RATE)
-
-    def add(self, line: Line, samples: Samples, timed: Timed) -> None:
-        """A line after all others."""
-        head = int(timed.edges[1])
-        skipped = self._join(head)
-        shift = self._length - skipped
-        self._push(samples[skipped:])
-        first = len(self._phones)
-        if self._phones:  # two silences are one
-            self._edges[-1] = shift + head
-            self._phones[-1:] = [SILENCE, *timed.phones[1:]]
-            self._stress += [None] * (len(timed.phones) - 1)
-            first -= 1
-        else:
-            self._phones += timed.phones
-            self._stress += [None] * len(timed.phones)
-            self._edges.append(shift + head)
-        self._edges += [shift + int(edge) for edge in timed.edges[2:]]
-        self._name(line, timed, first)
-
-    def utterance(self, text: str) -> Utterance:
-        """All of it."""
-        tail = self._edges[-1] - self._edges[-2]
-        wanted = max(self._pause or 0, _LEAST_SILENCE) - tail
-        if wanted > 0:
-            self._push(np.zeros(wanted, np.float32))
-            self._edges[-1] += wanted
-        track = PhoneTrack(
-            tuple(self._phones), np.asarray(self._edges) / RATE, tuple(self._words),
-            tuple(self._stress),
-        )  # fmt: skip
-        loudest = max(1.0, *(float(np.abs(part).max(initial=0)) for part in self._samples))
-        audio = Audio(np.concatenate(self._samples) / np.float32(loudest), RATE)
-        return Utterance(audio, track, text)
-
-    def _push(self, samples: Samples) -> None:
-        self._samples.append(samples)
-        self._length += len(samples)
-
-    def _join(self, head: int) -> int:
-        """Make the silence before a line with `head` samples of it; how many to cut from them."""
-        tail = self._edges[-1] - self._edges[-2] if self._phones else 0
-        wanted = tail + head if self._pause is None else self._pause
-        if not self._phones:
-            wanted = max(wanted, head, _LEAST_SILENCE)
-        self._pause = None
-        spare = wanted - tail - head
-        if spare >= 0:
-            self._push(np.zeros(spare, np.float32))
-            return 0
-        kept = round(wanted * tail / (tail + head))  # of the tail
-        self._cut(tail - kept)
-        return head - (wanted - kept)
-
-    def _cut(self, count: int) -> None:
-        if count:
-            self._samples[-1] = self._samples[-1][:-count]
-            self._length -= count
-
-    def _name(self, line: Line, timed: Timed, first: int) -> None:
-        """Words and stress of the phones from index `first` on."""
-        for number, text in enumerate(line.words):
-            places = [
-                place for place, owner in enumerate(timed.sounds)
-                if owner is not None and line.sounds[owner].word == number
-            ]  # fmt: skip
-            if places:
-                self._words.append(Word(text, first + places[0], first + places[-1] + 1))
-        for place, owner in enumerate(timed.sounds):
-            if owner is not None:
-                self._stress[first + place] = line.sounds[owner].stress
+    Args:
+        tail: of the line before, after its last phone; empty before the first line.
+        head: of the line after, before its first phone; empty after the last line.
+        pause: how long it lasts in s; None for as long as both.
+        at_end: before the first line or after the last: never shorter than both.
+    """
+    own = len(tail) + len(head)
+    wanted = own if pause is None else round(pause * RATE)
+    if at_end or wanted >= own:
+        between = np.zeros(max(wanted - own, 0), np.float32)
+    else:
+        kept = round(wanted * len(tail) / own)
+        tail, head = tail[:kept], head[len(head) - (wanted - kept) :]
+        between = np.zeros(0, np.float32)
+    return Stretch(np.concatenate([tail, between, head]), (Timed(SILENCE, 0),), ())
 
 
 class HibariBackEnd:

@@ -7,14 +7,20 @@ bench/voice_lags.py measured stands beside each constant.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.phones import PHONES, SILENCE
+from lipwright.phones import BILABIALS, PHONES, SILENCE
 from lipwright.speech.voices.misaki import PAUSES, STRESS, Sound
+from lipwright.speech.voices.timeline import (
+    LEAST,
+    LEAST_CLOSURE,
+    Samples,
+    Stretch,
+    Timed,
+)
 
 RATE: Final = 24000  # Hz
 FRAME: Final = 600  # samples: two steps of `hibari.dsp.HOP`, one unit of the durations; 25 ms
@@ -25,29 +31,13 @@ QUIET: Final = 35.0  # dB under the loud parts: silence, at pauses
 LOUD: Final = 95  # percentile of the level that counts as loud
 LEVEL_STEP: Final = 120  # samples, 5 ms
 SHORTEST_PAUSE: Final = 0.06  # s; what is quiet for less is a stop's closure
-LEAST: Final = 0.02  # s, of a phone whose edges have met
 LEAST_AT_PAUSE: Final = 0.05  # s, of the phone before a pause
-
-Edges = npt.NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Timed:
-    """The phones of a line in its sound."""
-
-    phones: tuple[str, ...]
-    """P, silence first and last"""
-    sounds: tuple[int | None, ...]
-    """P, index of the line's sound, None of silence"""
-    edges: Edges
-    """(P + 1,), samples, rising from 0 to the end of the sound"""
 
 
 def time_line(
-    letters: str, sounds: tuple[Sound, ...], frames: npt.NDArray[np.int64],
-    samples: npt.NDArray[np.float32],
-) -> Timed:  # fmt: skip
-    """Phones and silences with their edges.
+    letters: str, sounds: tuple[Sound, ...], frames: npt.NDArray[np.int64], samples: Samples
+) -> tuple[Samples, Stretch, Samples]:
+    """The silence that a line begins with, its speech with phones, and the silence after it.
 
     Args:
         letters: L letters of the line.
@@ -56,40 +46,38 @@ def time_line(
         samples: (N,), the line's sound at RATE.
     """
     at = np.concatenate([[0.0], np.cumsum(frames)]) * FRAME / RATE - LAG  # s, of letter i at i + 1
+    starts = np.array([at[sound.first + 1] for sound in sounds])
+    stops = np.array([at[sound.stop + 1] for sound in sounds])
+    marked = [place for place, sound in enumerate(sounds) if letters[sound.first] in STRESS]
+    of_mark = frames[[sounds[place].first + 1 for place in marked]]
+    starts[marked] += np.minimum(of_mark, MARK) * FRAME / RATE
     quiet = _quiet(samples)
-    end = len(samples) / RATE
-    starts, stops = [], []
-    for sound in sounds:
-        start = at[sound.first + 1]
-        if letters[sound.first] in STRESS:
-            start = at[sound.first + 1] + min(frames[sound.first + 1], MARK) * FRAME / RATE
-        starts.append(start)
-        stops.append(at[sound.stop + 1])
-    phones, owners, edges = [SILENCE], list[int | None]([None]), [0.0]
-    edges.append(_first(starts[0], sounds[0].phone, quiet))
-    for number, sound in enumerate(sounds):
-        phones.append(sound.phone)
-        owners.append(number)
-        if number + 1 == len(sounds):
-            break
-        between = letters[sound.stop : sounds[number + 1].first]
+    phones: list[Sound | None] = []
+    edges = [_first(starts[0], sounds[0].phone, quiet)]
+    for number, sound in enumerate(sounds[:-1]):
+        phones.append(sound)
+        following = sounds[number + 1]
         pause = None
-        if PAUSES.intersection(between):
-            pause = _pause(edges[-1], starts[number + 1], sounds[number + 1].phone, quiet)
+        if PAUSES.intersection(letters[sound.stop : following.first]):
+            pause = _pause(edges[-1], starts[number + 1], following.phone, quiet)
         if pause is None:
-            edges.append((stops[number] + starts[number + 1]) / 2)
+            edges.append((stops[number] + starts[number + 1]) / 2)  # half of the space between
         else:
             edges += pause
-            phones.append(SILENCE)
-            owners.append(None)
-    last = max(edges[-1] + LEAST_AT_PAUSE, _last_sound(quiet, end))
-    edges += [last, end]
-    phones.append(SILENCE)
-    owners.append(None)
-    return Timed(tuple(phones), tuple(owners), _rising(edges, len(samples)))
+            phones.append(None)
+    phones.append(sounds[-1])
+    edges.append(max(edges[-1] + LEAST_AT_PAUSE, _last_sound(quiet, len(samples) / RATE)))
+    found = _rising(edges, [LEAST if p is None else _least(p.phone) for p in phones], len(samples))
+    first, last = found[0], found[-1]
+    timed = tuple(
+        Timed(SILENCE, start - first) if phone is None
+        else Timed(phone.phone, start - first, phone.stress, phone.word)
+        for phone, start in zip(phones, found[:-1], strict=True)
+    )  # fmt: skip
+    return samples[:first], Stretch(samples[first:last], timed, ()), samples[last:]
 
 
-def _quiet(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+def _quiet(samples: Samples) -> npt.NDArray[np.float64]:
     """(Q, 2), start and end (s) of each stretch that is quiet for SHORTEST_PAUSE or more."""
     count = len(samples) // LEVEL_STEP
     power = np.square(samples[: count * LEVEL_STEP], dtype=np.float64).reshape(count, -1).mean(1)
@@ -136,12 +124,14 @@ def _pause(
     return [opens, closes] if closes - opens >= LEAST else None
 
 
-def _rising(edges: list[float], count: int) -> Edges:
-    """Samples from 0 to `count`, each phone LEAST long or more where there is room for all."""
-    least = min(round(LEAST * RATE), count // len(edges))
-    found = np.round(np.asarray(edges) * RATE).astype(np.int64)
-    found[0], found[-1] = 0, count
-    steps = np.arange(len(found)) * least
-    found[:-1] = np.maximum.accumulate(found[:-1] - steps[:-1]) + steps[:-1]
-    back = count - steps[::-1]
-    return np.minimum(found, back)
+def _least(phone: str) -> float:
+    return LEAST_CLOSURE if phone in BILABIALS else LEAST
+
+
+def _rising(edges: list[float], leasts: list[float], count: int) -> list[int]:
+    """Edges in samples, each phone as long as its least where `count` samples have room."""
+    room = np.concatenate([[0.0], np.cumsum(leasts)]) * RATE
+    room *= min(1.0, count / max(room[-1], 1.0))
+    found = np.maximum.accumulate(np.asarray(edges) * RATE - room) + room
+    found = np.minimum(found, count - room[-1] + room)
+    return [round(edge) for edge in found]
