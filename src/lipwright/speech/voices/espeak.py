@@ -12,6 +12,13 @@ from lipwright import espeak
 from lipwright.errors import LipwrightError
 from lipwright.phones import BILABIALS, SILENCE
 from lipwright.speech.voices.espeak_phones import phoneme_input
+from lipwright.speech.voices.espeak_text import (
+    MANDARIN,
+    SaidText,
+    mandarin_text,
+    one_word,
+    plain_text,
+)
 from lipwright.speech.voices.espeak_times import spoken_samples, to_stretch
 from lipwright.speech.voices.stretching import stretch
 from lipwright.speech.voices.timeline import Stretch, Timeline
@@ -111,7 +118,9 @@ class EspeakVoice:
         wanted = 1 / (piece.rate * manner.rate)
         if piece.phones:
             return self._say_phones(piece, manner, wanted)
-        return self._timed(text, self._voice, manner, wanted, None)
+        reads_pinyin = self._voice.partition("+")[0] == MANDARIN
+        said = mandarin_text(text) if reads_pinyin else plain_text(text)
+        return self._timed(said, self._voice, manner, wanted)
 
     def _say_phones(self, piece: Piece, manner: _Manner, wanted: float) -> Stretch:
         """The phones of a piece; by the English voice where this one leaves closures out."""
@@ -119,14 +128,14 @@ class EspeakVoice:
         asked = sum(phone in BILABIALS for phone in piece.phones)
         for voice in (self._voice, _variant(DEFAULT, self._voice)):
             text = phoneme_input(piece.phones, voice)
-            said = self._timed(text, voice, manner, wanted, label)
+            said = self._timed(one_word(text, label), voice, manner, wanted, mnemonics=True)
             heard = [one.phone for one in said.phones if one.phone != SILENCE]
             if len(heard) >= len(piece.phones) and asked == sum(one in BILABIALS for one in heard):
                 break
         return said
 
     def _timed(
-        self, text: str, voice: str, manner: _Manner, wanted: float, label: str | None
+        self, text: SaidText, voice: str, manner: _Manner, wanted: float, mnemonics: bool = False
     ) -> Stretch:
         """The text in `wanted` times the voice's own time.
 
@@ -136,8 +145,8 @@ class EspeakVoice:
 
         def said(speed: int) -> espeak.Speech:
             return espeak.speak(
-                text, voice, words_per_minute=speed, pitch=manner.pitch,
-                pitch_range=manner.pitch_range, phoneme_input=label is not None, end_pause=True,
+                text.text, voice, words_per_minute=speed, pitch=manner.pitch,
+                pitch_range=manner.pitch_range, phoneme_input=mnemonics, end_pause=True,
             )  # fmt: skip
 
         speed = espeak.WORDS_PER_MINUTE
@@ -150,7 +159,7 @@ class EspeakVoice:
                 break
             speed = better
             speech = said(speed)
-        found = to_stretch(speech, text, voice, label)
+        found = to_stretch(speech, text, voice)
         factor = goal / spoken_samples(speech) if goal else 1.0
         return _stretched(found, factor) if abs(factor - 1) > _LEAST_STRETCH else found
 
@@ -231,7 +240,7 @@ class EspeakBackEnd:
 
     def voices(self) -> Sequence[VoiceInfo]:
         """A voice for each language, English first."""
-        found = [_info(one) for one in espeak.languages()]
+        found = [_info(one) for one in espeak.languages() if one.code != "cmn"]
         return tuple(sorted(found, key=lambda info: info.name != f"{NAME}:{DEFAULT}"))
 
     def open(self, voice: str, language: str | None) -> EspeakVoice:
@@ -242,15 +251,20 @@ class EspeakBackEnd:
         """
         wanted = voice or (language or DEFAULT)
         found = espeak.find_language(wanted)
+        if found.code == "cmn":  # characters are given as pinyin, which is read without gaps
+            found = espeak.find_language(MANDARIN)
         variant = wanted.partition("+")[2]
         info = _info(found)
-        name = f"{found.code}+{variant}" if variant else found.code
-        return EspeakVoice(replace(info, name=f"{NAME}:{name}"), name)
+        timbre = f"+{variant}" if variant else ""
+        return EspeakVoice(replace(info, name=info.name + timbre), found.code + timbre)
 
 
 def _info(language: espeak.EspeakLanguage) -> VoiceInfo:
     code = _ISO.get(language.code, language.code)
-    return VoiceInfo(f"{NAME}:{language.code}", code, f"{language.name}, by espeak-ng")
+    name, about = language.code, language.name
+    if language.code == MANDARIN:
+        name, about = "cmn", "Chinese (Mandarin)"
+    return VoiceInfo(f"{NAME}:{name}", code, f"{about}, by espeak-ng")
 
 
 def back_end() -> EspeakBackEnd:

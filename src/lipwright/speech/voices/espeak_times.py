@@ -9,19 +9,17 @@ event does; bench/espeak_lags.py measures what is left.
 
 from __future__ import annotations
 
-import re
-import unicodedata
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.controls import is_text
 from lipwright.errors import LipwrightError
 from lipwright.espeak import Speech
 from lipwright.language.ipa import Sound, read_ipa
 from lipwright.phones import PHONES, SILENCE
+from lipwright.speech.voices.espeak_text import SaidText, bare_word
 from lipwright.speech.voices.timeline import Stretch, Timed
 
 QUIET: Final = 0.002  # of full scale: what espeak-ng leaves in its silences
@@ -31,9 +29,6 @@ _STOPS: Final = ("stop", "affricate")
 # Weights of a label's sounds in its time, where a label is more than one.
 _VOWEL_WEIGHT: Final = 2.0
 _LONG_WEIGHT: Final = 3.0
-_TOKEN: Final = re.compile(r"\S+")
-# Scripts without spaces, whose words only espeak-ng can tell apart.
-_UNSPACED: Final = re.compile("[\u0e00-\u0eff\u1000-\u109f\u1780-\u17ff\u2e80-\ua4cf\uf900-\ufaff]")
 # Mandarin writes y and w before finals that begin with that sound already.
 _TWICE: Final = frozenset((("Y", "Y"), ("Y", "XIY"), ("Y", "IY"), ("W", "W"), ("W", "UW")))
 
@@ -44,21 +39,20 @@ def spoken_samples(speech: Speech) -> int:
     return int(loud[-1]) + 1 if len(loud) else 0
 
 
-def to_stretch(speech: Speech, text: str, code: str, label: str | None = None) -> Stretch:
+def to_stretch(speech: Speech, text: SaidText, code: str) -> Stretch:
     """Phones and words of what espeak-ng has said.
 
     Args:
         speech: its sound and events.
         text: what it was given.
         code: the voice's language.
-        label: the one word that it is; None where the words of `text` were said.
     """
     heard = _Heard(speech)
-    words, owner = _words(speech, text) if label is None else ([label], {})
+    words, owner = _words(speech, text)
     timed: list[Timed] = []
     for index, event in enumerate(speech.phones):
         sounds = _sounds(event.label)
-        word = 0 if label is not None else owner.get(event.position)
+        word = owner.get(event.position)
         start, stop = heard.start(index), heard.start(index + 1)
         if not sounds:
             if not timed or heard.is_pause(index):
@@ -163,29 +157,18 @@ def _without_gaps(timed: Sequence[Timed], heard: _Heard) -> list[Timed]:
     return kept
 
 
-def _words(speech: Speech, text: str) -> tuple[list[str], dict[int, int]]:
+def _words(speech: Speech, text: SaidText) -> tuple[list[str], dict[int, int]]:
     """The words as written, and which one the sounds of each position belong to."""
-    tokens = [(found.start(), found.end()) for found in _TOKEN.finditer(text)]
-    words: list[str] = []
+    words = list(text.words)
     owner: dict[int, int] = {}
-    last: tuple[int, int] | None = None
-    nexts = [*(event.position for event in speech.words[1:]), len(text)]
+    nexts = [*(event.position for event in speech.words[1:]), len(text.text)]
     for event, following in zip(speech.words, nexts, strict=True):
-        around = [token for token in tokens if token[0] <= event.position]
+        around = [span for span in text.spans if span.start <= event.position]
         if not around:
             continue
-        token = around[-1]
-        if _UNSPACED.search(text[token[0] : token[1]]):
-            token = (event.position, max(min(following, token[1]), event.position + 1))
-        if token != last:
-            words.append(_bare(text[token[0] : token[1]]))
-            last = token
-        owner[event.position] = len(words) - 1
+        span = around[-1]
+        if span.word < 0:
+            stop = max(min(following, span.stop), event.position + 1)
+            words.append(bare_word(text.text[event.position : stop]))
+        owner[event.position] = len(words) - 1 if span.word < 0 else span.word
     return words, owner
-
-
-def _bare(token: str) -> str:
-    """The word of a token, without the punctuation around it."""
-    marks = {char for char in token if unicodedata.category(char)[0] == "P"}
-    word = token.strip("".join(marks)) or token
-    return word if is_text(word) and word.split() == [word] else "?"
