@@ -41,6 +41,8 @@ _LETTERS: Final = 4.0  # letters of a text that may well be wrong
 _CLASSES: Final = MappingProxyType({"zh": "cmn", "no": "nb", "nn": "nb"})  # py3langid's to ours
 
 _TONED: Final = re.compile("[a-zü:]*(?:[āáǎàēéěèīíǐìōóǒòūúǔùǖǘǚǜ][a-zü:]*)+|(?:[a-zü:]+[1-5])+")
+# Macron, caron and digits; the acute and the grave are of many languages.
+_TONES_ONLY: Final = re.compile("[āēīōūǖǎěǐǒǔǚ]|[a-zü][1-5]", re.IGNORECASE)
 
 
 def detect_language(
@@ -166,7 +168,7 @@ def _is_pinyin(text: str) -> bool:
     tokens = [token.strip("\"'.,;:!?()-“”‘’…") for token in text.lower().split()]
     tokens = [unicodedata.normalize("NFC", token) for token in tokens if token]
     toned = sum(bool(_TONED.fullmatch(token)) for token in tokens)
-    if not tokens or toned < 0.4 * len(tokens):
+    if toned < (0.4 if _TONES_ONLY.search(text) else 1) * max(len(tokens), 2):
         return False
     read = 0
     for token in tokens:

@@ -5,6 +5,7 @@ Ranges after the Unicode Standard 16.0 (Scripts.txt), without the rare blocks.
 
 from __future__ import annotations
 
+import unicodedata
 from bisect import bisect_right
 from collections import Counter
 from types import MappingProxyType
@@ -72,9 +73,9 @@ def script_of(char: str) -> str:
     """The script of a letter; "" for what is none, such as a digit or an emoji."""
     point = ord(char)
     at = bisect_right(_STARTS, point) - 1
-    if at < 0 or point > _RANGES[at][1] or not (char.isalpha() or char.isalnum()):
+    if at < 0 or point > _RANGES[at][1]:
         return ""
-    return _RANGES[at][2]
+    return _RANGES[at][2] if char.isalpha() or unicodedata.category(char) == "Co" else ""
 
 
 def count_scripts(text: str) -> Counter[str]:
