@@ -78,7 +78,8 @@ def capture(
 
     sources = find_sources(faces, audio, transcripts, phones)
     options = CaptureOptions(
-        language=language or "en", dictionary=dictionary, tracker=tracker, fps=fps, tied=not asymmetric,
+        language=language or "en", dictionary=dictionary, tracker=tracker, fps=fps,
+        tied=not asymmetric,
         reject=reject, name=name, licence=licence,
     )  # fmt: skip
     keeps(f"what was captured is kept in {out}; run the same command to go on")
