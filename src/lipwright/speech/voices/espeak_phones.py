@@ -20,16 +20,17 @@ from lipwright.phones import PHONES, SILENCE, nearest_phones
 
 # As in phsource/phonemes and the files of the languages of espeak-ng 1.52.
 MNEMONICS: Final = MappingProxyType({
-    "AA": "A: A a: 0 a", "AE": "a & aa", "AH": "V a#", "AX": "@ @2", "AO": "O: O o: o", "AW": "aU Au",
-    "AXR": "3", "AY": "aI ai", "EH": "E E: e e:", "ER": "3: 3", "EY": "eI EI ei", "IH": "I", "IX": "I# i",
-    "IY": "i: i", "OW": "oU ou", "OY": "OI", "UH": "U 8", "UW": "u: u", "UX": "u- u-:",
-    "P": "p ph", "B": "b", "T": "t th", "D": "d", "K": "k kh", "G": "g", "Q": "?", "CH": "tS", "JH": "dZ",
-    "F": "f", "V": "v v#", "TH": "T", "DH": "D", "S": "s", "Z": "z", "SH": "S", "ZH": "Z",
-    "HH": "h", "HV": "h#", "M": "m", "EM": "m-", "N": "n", "EN": "n-", "NG": "N", "ENG": "N-",
-    "DX": "* **", "NX": "n", "L": "l", "EL": "l- @L", "R": "r r-", "Y": "j", "W": "w", "WH": "w#",
-    "XIY": "y: y", "XIH": "y I.", "XEY": "Y: Y", "XEH": "W W:", "XOW": "o-", "XSI": "i[",
-    "XRI": "i.", "XT": "t.", "XD": "d.", "XN": "n.", "XL": "l.", "XR": "R r", "XS": "s. s;",
-    "XZ": "z.", "XC": "S; s\\", "XH": "sx", "XTS": "ts", "XTC": "tS; t_s\\", "XCH": "ts.",
+    "AA": "A: A a: 0 a", "AE": "a & aa", "AH": "V a#", "AX": "@ @2", "AO": "O: O o: o",
+    "AW": "aU Au", "AXR": "3", "AY": "aI ai", "EH": "E E: e e:", "ER": "3: 3", "EY": "eI EI ei",
+    "IH": "I", "IX": "I# i", "IY": "i: i", "OW": "oU ou", "OY": "OI", "UH": "U 8", "UW": "u: u",
+    "UX": "u- u-:", "P": "p ph", "B": "b", "T": "t th", "D": "d", "K": "k kh", "G": "g", "Q": "?",
+    "CH": "tS", "JH": "dZ", "F": "f", "V": "v v#", "TH": "T", "DH": "D", "S": "s", "Z": "z",
+    "SH": "S", "ZH": "Z", "HH": "h", "HV": "h#", "M": "m", "EM": "m-", "N": "n", "EN": "n-",
+    "NG": "N", "ENG": "N-", "DX": "* **", "NX": "n", "L": "l", "EL": "l- @L", "R": "r r-",
+    "Y": "j", "W": "w", "WH": "w#", "XIY": "y: y", "XIH": "y I.", "XEY": "Y: Y", "XEH": "W W:",
+    "XOW": "o-", "XSI": "i[", "XRI": "i.", "XT": "t.", "XD": "d.", "XN": "n.", "XL": "l.",
+    "XR": "R r", "XS": "s. s;", "XZ": "z.", "XC": "S; s\\", "XH": "sx", "XTS": "ts",
+    "XTC": "tS; t_s\\", "XCH": "ts.",
 })  # fmt: skip
 """phone to the mnemonics that may say it, best first, with spaces between them"""
 _SYLLABIC: Final = ("EM", "EN", "ENG", "EL")
