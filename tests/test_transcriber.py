@@ -70,7 +70,7 @@ def test_the_language_of_the_words_is_what_was_asked_for(model: Path) -> None:
     with open_audio(HELLO, 16000) as sound:
         assert transcribe(sound, str(model)).language == "en"
         assert transcribe(sound, str(model), "en-gb").language == "en-gb"
-        with pytest.raises(LipwrightError, match="this model knows no 'sv'"):
+        with pytest.raises(LipwrightError, match="this model does not recognise 'sv'"):
             transcribe(sound, str(model), "sv")
 
 
