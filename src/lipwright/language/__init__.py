@@ -23,6 +23,7 @@ __all__ = [
 
 LANGUAGES: Final = MappingProxyType({
     "en": "lipwright.language.english",
+    "en-gb": "lipwright.language.english.british",
     "sv": "lipwright.language.swedish",
     "cmn": "lipwright.language.mandarin",
 })  # fmt: skip

@@ -56,10 +56,10 @@ def by_ending(word: str, lookup: Lookup) -> tuple[Phones, ...]:
 
 def with_ending(phones: Phones, kind: str) -> Phones:
     """A way to say a word, and its ending as it is said behind it."""
-    return phones + _sound(kind, phones[-1])
+    return phones + ending_phones(kind, phones[-1])
 
 
-def _sound(kind: str, last: str) -> Phones:
+def ending_phones(kind: str, last: str) -> Phones:
     """How an ending is said behind the phone `last`."""
     if kind == "s":
         if last in _SIBILANTS:

@@ -40,7 +40,7 @@ _VOWELS: Final = frozenset("aeiouy")
 
 
 @dataclass(frozen=True)
-class _Token:
+class Token:
     """What stands between white space."""
 
     written: str
@@ -82,7 +82,7 @@ class Reader:
             raise LipwrightError(f"{source}: has no words; give the words that are spoken")
         return tuple(words)
 
-    def _tokens(self, text: str, source: str) -> list[_Token]:
+    def _tokens(self, text: str, source: str) -> list[Token]:
         text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
         tokens = []
         for line, content in enumerate(text.split("\n"), 1):
@@ -98,7 +98,7 @@ class Reader:
                 else:
                     core = _trim(_to_ascii(written))
                     _check_letters(written, core, f"{source}: line {line}", column)
-                tokens.append(_Token(written, line, column, core))
+                tokens.append(Token(written, line, column, core))
         return tokens
 
     def _own(self, written: str) -> str | None:
@@ -109,7 +109,7 @@ class Reader:
                 return word
         return None
 
-    def _speak(self, token: _Token, before: str, after: str) -> list[str]:
+    def _speak(self, token: Token, before: str, after: str) -> list[str]:
         bare = token.bare
         if own := self._own(token.written):
             return [own]
@@ -126,7 +126,7 @@ class Reader:
                 return words
         return self._runs(bare)
 
-    def _special(self, token: _Token, before: str) -> list[str] | None:
+    def _special(self, token: Token, before: str) -> list[str] | None:
         """The words of an address, an area code, or a fraction behind a number; or None."""
         if _ADDRESS.fullmatch(token.bare):
             return self._address(token.bare)
@@ -137,7 +137,7 @@ class Reader:
             return mixed[mixed.index("and") :] if "and" in mixed else None
         return None
 
-    def _short(self, token: _Token, before: str, after: str) -> list[str] | None:
+    def _short(self, token: Token, before: str, after: str) -> list[str] | None:
         """The words of an abbreviation, or None."""
         bare, dotted = token.bare, token.core != token.bare
         lower = bare.lower()

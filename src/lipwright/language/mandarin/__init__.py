@@ -112,14 +112,14 @@ def _contexts(words: Sequence[SpokenWord]) -> list[tuple[str, str]]:
     before: list[str] = []
     run = ""
     for word in words:
-        before.append(run[-_AROUND:])
-        run = run + word.text if word.written.endswith(word.text) else ""
+        before.append(run)
+        run = (run + word.text)[-_AROUND:] if word.written.endswith(word.text) else ""
     after: list[str] = []
     run = ""
     for word in reversed(words):
         run = run if word.written.endswith(word.text) else ""
-        after.append(run[:_AROUND])
-        run = word.text + run
+        after.append(run)
+        run = (word.text + run)[:_AROUND]
     return list(zip(before, reversed(after), strict=True))
 
 
