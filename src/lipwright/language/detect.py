@@ -163,13 +163,13 @@ def _is_clear(
 
 def _is_pinyin(text: str) -> bool:
     """Whether a text is pinyin with tones."""
-    from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
-
     tokens = [token.strip("\"'.,;:!?()-“”‘’…") for token in text.lower().split()]
     tokens = [unicodedata.normalize("NFC", token) for token in tokens if token]
     toned = sum(bool(_TONED.fullmatch(token)) for token in tokens)
     if toned < (0.4 if _TONES_ONLY.search(text) else 1) * max(len(tokens), 2):
         return False
+    from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
+
     read = 0
     for token in tokens:
         try:
