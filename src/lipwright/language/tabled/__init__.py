@@ -12,7 +12,7 @@ from typing import Final
 
 from lipwright.errors import LipwrightError
 from lipwright.language.base import Phoneme, Pronunciation, SpokenWord
-from lipwright.language.dictionary import Dictionary, word_key
+from lipwright.language.dictionary import Dictionary
 from lipwright.language.tabled.compounds import parts_of, split_compound
 from lipwright.language.tabled.lexicon import Lexicon
 from lipwright.language.tabled.sounds import finished, mended, phones_of, pronunciation
@@ -77,13 +77,14 @@ class Tabled:
             () if ways else self.ways(word.text) for word, ways in zip(words, own, strict=True)
         ]
         said: list[tuple[Pronunciation, ...]] = []
-        for at, (word, ways) in enumerate(zip(words, alone, strict=True)):
-            if not ways:
+        link = self.tables.link
+        for at, word in enumerate(words):
+            if own[at]:
                 said.append(tuple(Pronunciation(way, "dictionary") for way in own[at]))
-                continue
-            if self.tables.link:
-                ways = self.tables.link(word.text, ways, _place(words, alone, at))
-            said.append(_distinct(ways))
+            elif link:
+                said.append(_distinct(link(word.text, alone[at], _place(words, alone, at))))
+            else:
+                said.append(_distinct(alone[at]))
         return tuple(said)
 
     def inventory(self) -> tuple[Phoneme, ...]:
@@ -104,7 +105,8 @@ class Tabled:
 
     def _remember(self, words: Iterable[str]) -> None:
         """Look up words, then the parts of those that are missing, in one search each."""
-        fresh = {unicodedata.normalize("NFC", word).lower() for word in words} - self._known.keys()
+        fresh = {unicodedata.normalize("NFC", word).lower() for word in words}
+        fresh = {word for word in fresh if word not in self._known}
         fresh |= {part for word in fresh for part in re.split("['-]", word)}
         self._search(fresh)
         if self.tables.links:
@@ -138,6 +140,9 @@ class Tabled:
             if found:
                 return found
         return ()
+
+    def _is_listed(self, word: str) -> bool:
+        return word in self.tables.said or any(word in lexicon for lexicon in self.lexicons)
 
     def _parted(self, word: str) -> tuple[Way, ...]:
         """The ways of a word with an apostrophe or a hyphen, from its parts."""
@@ -176,7 +181,7 @@ class Tabled:
             return ()
         links = dict(self.tables.links)
         self._search(parts_of(word))
-        parts = split_compound(word, lambda part: bool(self._listed(part)), tuple(links))
+        parts = split_compound(word, self._is_listed, tuple(links))
         if not parts:
             return ()
         sounds: tuple[str, ...] = ()
@@ -194,7 +199,8 @@ class Tabled:
             )
         tables = self.tables
         at = tables.lexicons.index(tables.guess_from) if tables.guess_from is not None else 0
-        spelt = self.lexicons[at].guess(letters)
+        bare = unicodedata.normalize("NFD", letters) if tables.guess_plain else letters
+        spelt = self.lexicons[at].guess("".join(char for char in bare if char.isalpha()))
         sounds = mended(spelt, tables.mends[tables.lexicons[at]])
         if not sounds:  # a lone mute letter is called by its name
             names = " ".join(tables.letter_names.get(char, "") for char in letters).split()

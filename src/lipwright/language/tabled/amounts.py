@@ -55,6 +55,12 @@ class AmountReader:
         return bare in self.amounts.currencies and after[:1].isdigit()
 
     @cached_property
+    def _nouns(self) -> frozenset[str]:
+        """What the tables count."""
+        forms = (*self.amounts.units.values(), *self.amounts.currencies.values())
+        return frozenset((*(noun for row in forms for noun in row), *self.amounts.hour_words))
+
+    @cached_property
     def _rules(self) -> tuple[tuple[re.Pattern[str], Rule], ...]:
         amounts = self.amounts
         sign = "|".join(map(re.escape, sorted(amounts.currencies, key=len, reverse=True)))
@@ -105,7 +111,9 @@ class AmountReader:
         text = found["number"]
         if text.count(".") > 1 and not parse(text)[2]:
             return self._phone(text)
-        del before, after
+        del before
+        if after.lower() in self._nouns:
+            return self._signed(found, number(text, self.amounts, self.gender(after.lower())))
         return self._signed(found, self.plain(text))
 
     def _money(self, found: Match[str], before: str, after: str) -> list[str]:

@@ -14,12 +14,14 @@ from lipwright.language.tabled.values import Amounts, Place, Tables, Way, tokens
 
 SOUNDS: Final = MappingProxyType({
     # vowels
-    "i": "bIEt", "y": "fUUt", "u": "hOEd", "ɪ": "bIt", "ɛ": "bEd", "ɔ": "bOt", "ʏ": "hUt", "ɑ": "bAd",
+    "i": "bIEt", "y": "fUUt", "u": "hOEd", "ɪ": "bIt", "ɛ": "bEd", "ɔ": "bOt", "ʏ": "hUt",
+    "ɑ": "bAd",
     "eː": "bEEt", "øː": "nEUs", "oː": "bOOt", "aː": "zAAd", "ə": "dE", "ɛi̯": "ijs", "œy̯": "lUId",
     "ɑu̯": "zOUt", "ɛː": "scÈne", "œː": "freUle", "ɔː": "zOne", "ɑ̃": "enquÊte",
     "ɛ̃": "bassIN", "ɔ̃": "chapErON",
     # consonants
-    "p": "Pen", "b": "Biet", "t": "Tak", "d": "Dak", "k": "Kat", "ɡ": "Goal", "m": "Mens", "n": "Nek",
+    "p": "Pen", "b": "Biet", "t": "Tak", "d": "Dak", "k": "Kat", "ɡ": "Goal", "m": "Mens",
+    "n": "Nek",
     "ŋ": "eNG", "ɲ": "oraNJe", "f": "Fiets", "v": "oVen", "s": "Sok", "z": "Zeep", "ʃ": "CHef",
     "ʒ": "Jury", "x": "aCHt", "ɣ": "Gaan", "ɦ": "Hoed", "ʋ": "Wang", "j": "Jas", "l": "Land",
     "r": "Rat",
@@ -83,7 +85,8 @@ ABBREVIATIONS: Final = MappingProxyType({
     "dhr": "de heer", "mevr": "mevrouw", "mw": "mevrouw", "dr": "doctor", "drs": "doctorandus",
     "prof": "professor", "mr.": "meester", "ir.": "ingenieur", "ing.": "ingenieur",
     "bijv": "bijvoorbeeld", "bv.": "bijvoorbeeld", "d.w.z": "dat wil zeggen", "enz": "enzovoort",
-    "etc": "et cetera", "o.a": "onder andere", "m.a.w": "met andere woorden", "i.p.v": "in plaats van",
+    "etc": "et cetera", "o.a": "onder andere", "m.a.w": "met andere woorden",
+    "i.p.v": "in plaats van",
     "t/m": "tot en met", "t.a.v": "ten aanzien van", "m.b.t": "met betrekking tot",
     "blz": "bladzijde", "nr": "nummer", "tel.": "telefoon", "ca": "circa", "incl": "inclusief",
     "excl": "exclusief", "evt": "eventueel", "v.chr": "voor christus", "n.chr": "na christus",
@@ -95,7 +98,8 @@ ABBREVIATIONS: Final = MappingProxyType({
 
 LETTER_NAMES: Final = MappingProxyType({
     "a": "a", "b": "bee", "c": "cee", "d": "dee", "e": "ee", "f": "ef", "g": "gee", "h": "ha",
-    "i": "i", "j": "jee", "k": "ka", "l": "el", "m": "em", "n": "en", "o": "o", "p": "pee", "q": "ku",
+    "i": "i", "j": "jee", "k": "ka", "l": "el", "m": "em", "n": "en", "o": "o", "p": "pee",
+    "q": "ku",
     "r": "er", "s": "es", "t": "tee", "u": "u", "v": "vee", "w": "wee", "x": "ix", "y": "ij",
     "z": "zet",
 })  # fmt: skip
@@ -107,7 +111,7 @@ SAID: Final = MappingProxyType({
     "tee": "t ˈeː", "u": "ˈy", "vee": "v ˈeː", "wee": "ʋ ˈeː", "ix": "ˈɪ k s", "ij": "ˈɛi̯",
     "zet": "z ˈɛ t", "een": "ə n / ˈeː n", "één": "ˈeː n", "het": "ə t / ɦ ɛ t", "'t": "ə t",
     "'s": "s", "'n": "ə n", "m'n": "m ə n", "z'n": "z ə n", "d'r": "d ə r", "zo'n": "z oː n",
-    "chef": "ʃ ˈɛ f", "ik": "ɪ k / ə k",
+    "chef": "ʃ ˈɛ f", "dat": "d ɑ t", "ik": "ɪ k / ə k",
 })  # fmt: skip
 
 TABLES: Final = Tables(

@@ -21,7 +21,8 @@ _V: Final = "iyueøoɛœɔaɑə"
 
 SOUNDS: Final = MappingProxyType({
     # vowels
-    "i": "sI", "e": "cES", "ɛ": "sEt", "a": "pAtte", "ɔ": "mOrt", "o": "sOt", "u": "cOUp", "y": "pUr",
+    "i": "sI", "e": "cES", "ɛ": "sEt", "a": "pAtte", "ɔ": "mOrt", "o": "sOt", "u": "cOUp",
+    "y": "pUr",
     "ø": "cEUx", "œ": "sEUl", "ə": "jE", "ɛ̃": "pAIN", "ɑ̃": "ANge", "ɔ̃": "bON", "œ̃": "brUN",
     # consonants
     "p": "Pas", "b": "Bas", "t": "Tas", "d": "Dos", "k": "Cas", "ɡ": "Gars", "m": "Mais",
@@ -35,14 +36,18 @@ _LEXICON: Final = tokens_mended(
 )  # fmt: skip
 
 _Z: Final = frozenset(
-    "les des ces mes tes ses nos vos leurs aux quelques plusieurs certains certaines nous vous ils "
-    "elles on-z deux trois six dix chez sans sous dans très quels quelles beaux gros grandes grands "
-    "petits petites bonnes bons autres mauvais premiers dernières derniers vieux nouveaux".split()
-)
-_N: Final = frozenset("un mon ton son aucun en on bien rien".split())
+    ("les", "des", "ces", "mes", "tes", "ses", "nos", "vos", "leurs", "aux", "quelques",
+     "plusieurs", "certains", "certaines", "nous", "vous", "ils", "elles", "deux", "trois", "chez",
+     "sans", "sous", "dans", "très", "quels", "quelles", "beaux", "gros", "grandes", "grands",
+     "petits", "petites", "bonnes", "bons", "autres", "mauvais", "premiers", "dernières",
+     "derniers", "vieux", "nouveaux")
+)  # fmt: skip
+_N: Final = frozenset(("un", "mon", "ton", "son", "aucun", "en", "on", "bien", "rien"))
 _N_OPENS: Final = MappingProxyType({"bon": "b ɔ n", "plein": "p l ɛ n", "ancien": "ɑ̃ s j ɛ n",
                                     "prochain": "p ʁ ɔ ʃ ɛ n"})  # fmt: skip
-_T: Final = frozenset("petit grand quand tout cet vingt cent saint dont second".split())
+_T: Final = frozenset(
+    ("petit", "grand", "quand", "tout", "cet", "vingt", "cent", "saint", "dont", "second")
+)
 _MAY: Final = MappingProxyType({
     "est": "t", "sont": "t", "ont": "t", "était": "t", "étaient": "t", "fait": "t", "doit": "t",
     "peut": "t", "avait": "t", "font": "t", "vont": "t", "pas": "z", "plus": "z", "moins": "z",
@@ -62,13 +67,12 @@ _ASPIRATED: Final = re.compile(
     r"|harnais|harp|hasard|hât|hauss|haut|havre|hennir|hér[ié]ss|hernie|héron|héros$|hêtr|heurt"
     r"|hibou|hid|hiérarch|hipp(?:ie|y)|hiss|hobby|hoch|hockey|holland|homard|hongr|hont|hoquet|hors"
     r"|houe|houille|houl|hous|houx|hublot|huée|huer|huit|hurl|hutte|onz|oui|yacht|yaourt|yo[gy]a?"
-    r"|week|whisky|web|ouistiti|uhlan|un$)"
+    r"|week|whisky|web|ouistiti|uhlan)"
 )
-_SILENT_BEFORE_CONSONANTS: Final = MappingProxyType({
-    "six": "s i", "dix": "d i", "huit": "ɥ i",
+_SILENT: Final = MappingProxyType({
+    "six": ("s i", "z"), "dix": ("d i", "z"), "huit": ("ɥ i", "t"),
 })  # fmt: skip
-_ALONE: Final = MappingProxyType({"six": "s i s", "dix": "d i s", "huit": "ɥ i t"})
-_SAYS_T: Final = re.compile("vingt|cent")
+_ONES: Final = frozenset(("deux", "trois", "quatre", "cinq", "six", "sept", "huit", "neuf"))
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
@@ -88,23 +92,30 @@ def _takes_liaison(place: Place) -> bool:
 
 
 def _with_liaison(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    consonant = _MUST.get(word) or _MAY.get(word, "")
-    if word in _SILENT_BEFORE_CONSONANTS and place.after:
-        bare = tuple(_SILENT_BEFORE_CONSONANTS[word].split())
-        if not _takes_liaison(place):
-            return (Way(bare, "rule"), *ways)
-        return (Way((*bare, "t" if word == "huit" else "z"), "rule"),)
-    if not consonant:
-        if word in _N_OPENS and _takes_liaison(place):
-            return (Way(tuple(_N_OPENS[word].split()), "rule"), *ways)
+    word = word.rpartition("'")[2]
+    takes = _takes_liaison(place)
+    if word in _SILENT and place.after:
+        return _number(word, ways, takes)
+    if word == "vingt" and place.after in _ONES:
+        return (Way(("v", "ɛ̃", "t"), "rule"),)
+    if word in _N_OPENS and takes:
+        return (Way(tuple(_N_OPENS[word].split()), "rule"), *ways)
+    consonant = _MUST.get(word) or _MAY.get(word)
+    alone = tuple(way for way in ways if way.sounds[-1] != consonant)
+    if not consonant or not alone:
         return ways
-    alone = tuple(way for way in ways if way.sounds[-1] != consonant) or ways
-    if not _takes_liaison(place) or alone is ways:
+    if not takes:
         return alone
-    linked = tuple(Way((*way.sounds, consonant), "rule") for way in alone[:1])
-    if word in _MUST:
-        return (*linked, *alone)
-    return (*alone, *linked)
+    linked = Way((*alone[0].sounds, consonant), "rule")
+    return (linked, *alone) if word in _MUST else (*alone, linked)
+
+
+def _number(word: str, ways: tuple[Way, ...], takes: bool) -> tuple[Way, ...]:
+    """six, dix and huit before another word."""
+    bare, consonant = _SILENT[word]
+    if takes:
+        return (Way((*bare.split(), consonant), "rule"),)
+    return (Way(tuple(bare.split()), "rule"), *ways)
 
 
 def _without_schwa(way: Way, place: Place) -> tuple[Way, ...]:
@@ -134,7 +145,8 @@ AMOUNTS: Final = Amounts(
     time="{hour} heures {minute}", hour="{hour} heures", hour_words=("heure", "heures", "h"),
     money="{whole} {number}",
     currencies={
-        "€": ("euro", "euros", "centime", "centimes"), "EUR": ("euro", "euros", "centime", "centimes"),
+        "€": ("euro", "euros", "centime", "centimes"),
+        "EUR": ("euro", "euros", "centime", "centimes"),
         "$": ("dollar", "dollars", "cent", "cents"), "£": ("livre", "livres", "penny", "pence"),
         "¥": ("yen", "yens", "", ""), "CHF": ("franc", "francs", "centime", "centimes"),
     },
@@ -147,7 +159,8 @@ AMOUNTS: Final = Amounts(
         "km/h": ("kilomètre heure", "kilomètres heure"),
         "m²": ("mètre carré", "mètres carrés"), "m2": ("mètre carré", "mètres carrés"),
         "°C": ("degré celsius", "degrés celsius"), "°": ("degré", "degrés"),
-        "Hz": ("hertz", "hertz"), "kHz": ("kilohertz", "kilohertz"), "Mo": ("mégaoctet", "mégaoctets"),
+        "Hz": ("hertz", "hertz"), "kHz": ("kilohertz", "kilohertz"),
+        "Mo": ("mégaoctet", "mégaoctets"),
         "Go": ("gigaoctet", "gigaoctets"),
     },
     magnitudes={"million": "million", "millions": "millions", "milliard": "milliard",
@@ -160,7 +173,7 @@ AMOUNTS: Final = Amounts(
     first=("premier", "première"),
     fractions={"1/2": "un demi", "1/3": "un tiers", "2/3": "deux tiers", "1/4": "un quart",
                "3/4": "trois quarts"},
-    roman="cardinal",
+    roman="cardinal", roman_ranks="er|re|e|è|ème|ère",
 )  # fmt: skip
 
 ABBREVIATIONS: Final = MappingProxyType({
@@ -185,11 +198,13 @@ LETTER_NAMES: Final = MappingProxyType({
 SAID: Final = MappingProxyType({
     "ne": "n ə", "e": "ə", "i": "i", "o": "o", "u": "y", "y": "i", "a": "a", "à": "a", "bé": "b e",
     "cé": "s e", "dé": "d e", "gé": "ʒ e", "ache": "a ʃ", "ji": "ʒ i", "ka": "k a", "emme": "ɛ m",
-    "enne": "ɛ n", "effe": "ɛ f", "erre": "ɛ ʁ", "esse": "ɛ s", "pé": "p e", "ku": "k y", "té": "t e",
+    "enne": "ɛ n", "effe": "ɛ f", "erre": "ɛ ʁ", "esse": "ɛ s", "pé": "p e", "ku": "k y",
+    "té": "t e",
     "vé": "v e", "ixe": "i k s", "zède": "z ɛ d", "grec": "ɡ ʁ ɛ k", "cætera": "s e t e ʁ a",
     "chat": "ʃ a", "les": "l e", "des": "d e", "un": "œ̃", "est": "ɛ", "plus": "p l y / p l y s",
     "six": "s i s", "dix": "d i s", "tous": "t u / t u s", "en": "ɑ̃", "on": "ɔ̃", "dans": "d ɑ̃",
-    "lui": "l ɥ i", "huit": "ɥ i t", "aulnes": "o n", "vingt": "v ɛ̃",
+    "lui": "l ɥ i", "louis": "l w i", "se": "s ə", "huit": "ɥ i t", "aulnes": "o n",
+    "vingt": "v ɛ̃",
 })  # fmt: skip
 
 TABLES: Final = Tables(

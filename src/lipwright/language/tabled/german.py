@@ -25,7 +25,8 @@ SOUNDS: Final = MappingProxyType({
     # consonants
     "p": "Pass", "b": "Bass", "t": "Tasse", "d": "Deich", "k": "Kasse", "ɡ": "Gasse",
     "pf": "PFad", "ts": "Zahl", "tʃ": "maTSCH", "dʒ": "DSCHungel", "m": "Masse", "n": "Nasse",
-    "ŋ": "laNGe", "n̩": "habEN", "m̩": "habEN (quickly)", "f": "Fass", "v": "Wasser", "s": "reiSSen",
+    "ŋ": "laNGe", "n̩": "habEN", "m̩": "habEN (quickly)", "f": "Fass", "v": "Wasser",
+    "s": "reiSSen",
     "z": "reiSen", "ʃ": "SCHal", "ʒ": "Genie", "ç": "diCH", "x": "daCH", "h": "Hasse", "j": "Jacke",
     "l": "Lasse", "ʁ": "Rasse",
 })  # fmt: skip

@@ -24,10 +24,10 @@ SOUNDS: Final = MappingProxyType({
     "pː": "caPPa", "bː": "gaBBia", "tː": "faTTo", "dː": "caDDe", "kː": "eCCo", "ɡː": "leGGo",
     "tsː": "piZZa", "dzː": "meZZo", "tʃː": "faCCia", "dʒː": "oGGi", "mː": "maMMa", "nː": "aNNo",
     "ɲː": "baGNo", "fː": "baFFo", "vː": "beVVi", "sː": "caSSa", "ʃː": "faSCia", "lː": "paLLa",
-    "ʎː": "fiGLio", "rː": "caRRo", "zː": "beiSSmo (rare)", "h": "Hall (rare)",
+    "ʎː": "fiGLio", "rː": "caRRo",
 })  # fmt: skip
 
-_LONG: Final = tuple((f"({single}) [ˈˌ]?{single}", rf"{single}ː") for single in "pbtdkɡmnɲfvszʃlʎr")
+_LONG: Final = tuple((f"({single}) [ˈˌ]?{single}", rf"{single}ː") for single in "pbtdkɡmnɲfvsʃlʎr")
 _UNTIED: Final = (("t͡s", "ts"), ("d͡z", "dz"), ("t͡ʃ", "tʃ"), ("d͡ʒ", "dʒ"), ("g", "ɡ"))
 _AFFRICATES: Final = tuple(
     (rf"{stop} ([ˈˌ]?){stop}{rest}", rf"\g<1>{stop}{rest}ː") for stop, rest in
@@ -35,7 +35,7 @@ _AFFRICATES: Final = tuple(
 )  # fmt: skip
 _LEXICON: Final = tokens_mended(*_UNTIED, *_AFFRICATES, *_LONG)
 _ESPEAK: Final = tokens_mended(
-    ("t̪", "t"), ("d̪", "d"), ("t̪ː", "tː"), ("ə", "e"), ("y", "u"), ("ʌ", "a"), ("ɒ", "ɔ"),
+    ("zː|z z", "z"), ("h", ""), ("t̪", "t"), ("d̪", "d"), ("t̪ː", "tː"), ("ə", "e"), ("y", "u"), ("ʌ", "a"), ("ɒ", "ɔ"),
     ("ɜː", "ɛ"), ("ʁ|ɹ|ɾ", "r"), ("ɪː?", "i"), ("ʊ", "u"),
     *((f"{vowel}ː", vowel) for vowel in "aeiouɛɔ"),
     ("t s", "ts"), ("d z", "dz"), ("t ʃ", "tʃ"), ("d ʒ", "dʒ"),
@@ -48,7 +48,7 @@ _LIPS: Final = frozenset(("p", "b", "m"))
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """n before lips is m: "in bocca"; Rogers and d'Arcangeli 2004, section on nasals."""
+    """The m that n is before lips: "in bocca"; Rogers and d'Arcangeli 2004, section on nasals."""
     del word
     if not place.after_sounds or place.after_sounds[0] not in _LIPS:
         return ways
@@ -72,7 +72,8 @@ AMOUNTS: Final = Amounts(
     time="{hour} e {minute}", hour="{hour}", hour_words=("ora", "ore"),
     money="{whole} e {number}",
     currencies={
-        "€": ("euro", "euro", "centesimo", "centesimi"), "EUR": ("euro", "euro", "centesimo", "centesimi"),
+        "€": ("euro", "euro", "centesimo", "centesimi"),
+        "EUR": ("euro", "euro", "centesimo", "centesimi"),
         "$": ("dollaro", "dollari", "centesimo", "centesimi"),
         "£": ("sterlina", "sterline", "penny", "pence"), "¥": ("yen", "yen", "", ""),
     },
@@ -80,7 +81,8 @@ AMOUNTS: Final = Amounts(
         "mm": ("millimetro", "millimetri"), "cm": ("centimetro", "centimetri"),
         "m": ("metro", "metri"), "km": ("chilometro", "chilometri"),
         "mg": ("milligrammo", "milligrammi"), "g": ("grammo", "grammi"), "kg": ("chilo", "chili"),
-        "t": ("tonnellata", "tonnellate"), "l": ("litro", "litri"), "ml": ("millilitro", "millilitri"),
+        "t": ("tonnellata", "tonnellate"), "l": ("litro", "litri"),
+        "ml": ("millilitro", "millilitri"),
         "h": ("ora", "ore"), "min": ("minuto", "minuti"), "s": ("secondo", "secondi"),
         "km/h": ("chilometro all'ora", "chilometri all'ora"),
         "m²": ("metro quadrato", "metri quadrati"), "m2": ("metro quadrato", "metri quadrati"),
@@ -105,7 +107,8 @@ ABBREVIATIONS: Final = MappingProxyType({
     "prof.ssa": "professoressa", "avv": "avvocato", "ing.": "ingegner", "ecc": "eccetera",
     "etc": "eccetera", "es.": "esempio", "p.es": "per esempio", "n.": "numero", "n°": "numero",
     "nº": "numero", "pag.": "pagina", "pagg.": "pagine", "tel.": "telefono", "a.c": "avanti cristo",
-    "d.c": "dopo cristo", "ca.": "circa", "s.p.a": "società per azioni", "spa": "società per azioni",
+    "d.c": "dopo cristo", "ca.": "circa", "s.p.a": "società per azioni",
+    "spa": "società per azioni",
     "v.le": "viale", "p.zza": "piazza", "c.so": "corso", "cap.": "capitolo", "vol.": "volume",
     "art.": "articolo", "max.": "massimo", "min.": "minimo", "gen.": "gennaio", "feb.": "febbraio",
     "ott.": "ottobre", "nov.": "novembre", "dic.": "dicembre",
@@ -121,7 +124,8 @@ LETTER_NAMES: Final = MappingProxyType({
 SAID: Final = MappingProxyType({
     "bi": "b ˈi", "ci": "tʃ i", "gi": "dʒ ˈi", "acca": "ˈa kː a", "emme": "ˈɛ mː e",
     "enne": "ˈɛ nː e", "effe": "ˈɛ fː e", "elle": "ˈɛ lː e", "erre": "ˈɛ rː e", "esse": "ˈɛ sː e",
-    "pi": "p ˈi", "cu": "k ˈu", "ti": "t i", "vu": "v ˈu", "ics": "ˈi k s", "ipsilon": "ˈi p s i l o n",
+    "pi": "p ˈi", "cu": "k ˈu", "ti": "t i", "vu": "v ˈu", "ics": "ˈi k s",
+    "ipsilon": "ˈi p s i l o n",
     "e": "e", "è": "ˈɛ", "o": "o", "a": "a", "i": "i", "u": "u", "un": "u n", "casa": "k ˈa s a",
     "aiuola": "a j w ˈɔ l a",
 })  # fmt: skip
@@ -142,7 +146,9 @@ TABLES: Final = Tables(
              "quest'": "k w e s t", "sant'": "s a n t", "com'": "k o m", "dov'": "d o v",
              "cos'": "k ɔ s", "anch'": "a ŋ k", "senz'": "s ɛ n ts", "tutt'": "t u tː",
              "mezz'": "m ɛ dzː", "buon'": "b w ɔ n", "qualcos'": "k w a l k ɔ z", "coll'": "k o lː",
-             "grand'": "ɡ r a n d", "nient'": "n j ɛ n t", "vent'": "v e n t", "trent'": "t r e n t"},
+             "grand'": "ɡ r a n d", "nient'": "n j ɛ n t", "vent'": "v e n t",
+             "trent'": "t r e n t"},
     spelt=frozenset(("usa", "ue", "tv", "dna", "pd", "pc")), stress=stress, link=link,
+    guess_plain=True,
 )  # fmt: skip
 """the language with the code "it" """

@@ -11,7 +11,7 @@ import sqlite3
 from base64 import b64decode, b64encode
 from collections.abc import Iterable
 from contextlib import closing
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
@@ -44,7 +44,7 @@ class Lexicon:
 
     def remember(self, words: Iterable[str]) -> None:
         """Search for all the words in one go."""
-        fresh = sorted(set(words) - self._found.keys())
+        fresh = sorted({word for word in words if word not in self._found})
         if not fresh:
             return
         ways: dict[str, list[str]] = {word: [] for word in fresh}
@@ -105,9 +105,11 @@ def _features(word: str, at: int) -> dict[str, str | bool | float]:
     return seen
 
 
+@cache
 def _encode(text: str) -> str:
     return b64encode(text.encode()).decode("ascii")
 
 
+@cache
 def _decode(text: str) -> str:
     return b64decode(text.encode("ascii")).decode()

@@ -11,7 +11,7 @@ from lipwright.language.tabled.values import Amounts
 _DIGITS_AT_MOST: Final = 15  # longer numbers are read digit by digit
 _CODE_FROM: Final = 7  # digits in a row: a telephone number or a code, unless it is round
 _DECIMALS_AT_MOST: Final = 2  # digits that are read as one number
-_ROMAN: Final = {"I": 1, "V": 5, "X": 10, "L": 50}
+_ROMAN: Final = {"I": 1, "V": 5, "X": 10}
 _SEPARATORS: Final = re.compile(r"[ '\u00a0\u202f]")
 
 Gender = Literal["", "m", "f"]
@@ -88,8 +88,8 @@ def number(text: str, amounts: Amounts, gender: Gender = "") -> list[str]:
 
 
 def roman(text: str) -> int:
-    """The value of a Roman numeral up to 89; 0 if it is not one."""
-    if not re.fullmatch(r"L?X{0,3}(?:IX|IV|V?I{0,3})|XL(?:IX|IV|V?I{0,3})", text):
+    """The value of a Roman numeral up to 39; 0 if it is not one."""
+    if not re.fullmatch(r"X{0,3}(?:IX|IV|V?I{0,3})", text):
         return 0
     values = [_ROMAN[char] for char in text]
     return sum(

@@ -35,6 +35,7 @@ _GLIDES: Final = tuple(
 )
 _LEXICON: Final = tokens_mended(
     ("t ʃ", "tʃ"), ("d ʒ", "dʒ"), ("g", "ɡ"), ("ɹ", "ɾ"), ("h", "ʁ"), *_GLIDES,
+    (r"j(?! [ˈˌ]?[aeiouɛɔɐĩẽõũ])", "i"),
     ("ɔ w", "ɔu̯"), ("u w", "uu̯"), ("i w(?! [ˈˌ]?[aeiouɛɔɐ])", "iu̯"),
 )  # fmt: skip
 
@@ -65,7 +66,7 @@ def stress(word: str, sounds: tuple[str, ...], vowels: tuple[int, ...]) -> int:
 
 
 def finish(word: str, sounds: tuple[str, ...]) -> tuple[str, ...]:
-    """a is open but for an unstressed one at the end, which the lexicon does not tell."""
+    """Open a but for an unstressed one at the end, which the lexicon does not tell."""
     del word
     last = next((at for at in range(len(sounds) - 1, -1, -1) if plain(sounds[at]) == "ɐ"), -1)
     at_end = last >= 0 and sounds[last + 1 :] in ((), ("s",), ("z",)) and sounds[last] == "ɐ"
@@ -80,7 +81,7 @@ _V: Final = "ieɛaɐɔouĩẽɐ̃õũ"
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """s at the end is z before vowels and voiced consonants: "dos outros", "os dois"."""
+    """The z that a last s is before vowels and voiced consonants: "dos outros", "os dois"."""
     del word
     if not place.after_sounds:
         return ways
@@ -101,8 +102,10 @@ AMOUNTS: Final = Amounts(
     time="{hour} e {minute}", hour="{hour} horas", hour_words=("hora", "horas", "h"),
     money="{whole} e {cents}",
     currencies={
-        "R$": ("real", "reais", "centavo", "centavos"), "€": ("euro", "euros", "cêntimo", "cêntimos"),
-        "$": ("dólar", "dólares", "centavo", "centavos"), "US$": ("dólar", "dólares", "centavo", "centavos"),
+        "R$": ("real", "reais", "centavo", "centavos"),
+        "€": ("euro", "euros", "cêntimo", "cêntimos"),
+        "$": ("dólar", "dólares", "centavo", "centavos"),
+        "US$": ("dólar", "dólares", "centavo", "centavos"),
         "£": ("libra", "libras", "pêni", "pence"), "¥": ("iene", "ienes", "", ""),
     },
     units={
@@ -142,7 +145,8 @@ ABBREVIATIONS: Final = MappingProxyType({
 })  # fmt: skip
 
 LETTER_NAMES: Final = MappingProxyType({
-    "a": "á", "b": "bê", "c": "cê", "d": "dê", "e": "é", "f": "efe", "g": "gê", "h": "agá", "i": "i",
+    "a": "á", "b": "bê", "c": "cê", "d": "dê", "e": "é", "f": "efe", "g": "gê", "h": "agá",
+    "i": "i",
     "j": "jota", "k": "cá", "l": "ele", "m": "eme", "n": "ene", "o": "ó", "p": "pê", "q": "quê",
     "r": "erre", "s": "esse", "t": "tê", "u": "u", "v": "vê", "w": "dáblio", "x": "xis",
     "y": "ípsilon", "z": "zê",

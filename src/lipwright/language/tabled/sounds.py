@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, lru_cache
 from typing import Final
 
 from lipwright.language.base import Pronunciation
 from lipwright.language.ipa import Sound, read_ipa
 from lipwright.language.tabled.values import Mends, Tables, Way
+from lipwright.phones import PHONES
 
 _MARKS: Final = "ˈˌ"
 _STRESS: Final = {"ˈ": 1, "ˌ": 2}
+_SYLLABIC: Final = "\N{COMBINING VERTICAL LINE BELOW}"
+_KEPT: Final = 50_000  # ways; the words of a long text
 
 
 def plain(sound: str) -> str:
@@ -57,34 +60,30 @@ def finished(word: str, sounds: tuple[str, ...], tables: Tables) -> tuple[str, .
     return tables.finish(word, sounds) if tables.finish else sounds
 
 
+@lru_cache(maxsize=_KEPT)
 def pronunciation(way: Way) -> Pronunciation:
     """A way to say a word, in phones."""
     phones: list[str] = []
     ipa: list[str] = []
     stress: list[int | None] = []
     for sound in way.sounds:
+        made, vowel = _made(plain(sound))
+        phones += (part.phone for part in made)
+        ipa += (part.ipa for part in made)
         mark = _STRESS.get(sound[0], 0)
-        for made in _made(plain(sound)):
-            phones.append(made.phone)
-            ipa.append(made.ipa)
-            stress.append(mark if _is_vowel(made) else None)
-            if _is_vowel(made):
-                mark = 0
+        stress += ((mark if at == vowel else None) for at in range(len(made)))
     return Pronunciation(tuple(phones), way.source, tuple(ipa), tuple(stress))
 
 
-@cache
-def _made(sound: str) -> tuple[Sound, ...]:
-    return read_ipa(sound)
-
-
-@cache
 def phones_of(sound: str) -> tuple[str, ...]:
     """The phones that show a sound."""
-    return tuple(made.phone for made in _made(sound))
+    return tuple(part.phone for part in _made(sound)[0])
 
 
-def _is_vowel(sound: Sound) -> bool:
-    from lipwright.phones import PHONES
-
-    return PHONES[sound.phone].is_vowel or "\N{COMBINING VERTICAL LINE BELOW}" in sound.ipa
+@cache
+def _made(sound: str) -> tuple[tuple[Sound, ...], int]:
+    """What a sound is in the phone table, and which of it is a vowel; -1 for none."""
+    made = read_ipa(sound)
+    vowels = [at for at, part in enumerate(made) if PHONES[part.phone].is_vowel]
+    syllabic = [at for at, part in enumerate(made) if _SYLLABIC in part.ipa]
+    return made, (vowels or syllabic or [-1])[0]

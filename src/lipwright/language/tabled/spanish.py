@@ -42,7 +42,7 @@ _ELSEWHERE: Final = MappingProxyType({"θ": "s", "ʎ": "ʝ"})
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """b d g as they stand, n before lips as m, and the second ways of seseo and yeísmo."""
+    """The sounds b d g as they stand, n before lips as m, and the second ways of seseo and yeísmo."""
     del word
     linked = []
     for way in ways:
@@ -68,8 +68,10 @@ AMOUNTS: Final = Amounts(
     time="{hour} y {minute}", hour="{hour}", hour_words=("hora", "horas", "h"),
     money="{whole} con {cents}",
     currencies={
-        "€": ("euro", "euros", "céntimo", "céntimos"), "EUR": ("euro", "euros", "céntimo", "céntimos"),
-        "$": ("dólar", "dólares", "centavo", "centavos"), "£": ("libra", "libras", "penique", "peniques"),
+        "€": ("euro", "euros", "céntimo", "céntimos"),
+        "EUR": ("euro", "euros", "céntimo", "céntimos"),
+        "$": ("dólar", "dólares", "centavo", "centavos"),
+        "£": ("libra", "libras", "penique", "peniques"),
         "¥": ("yen", "yenes", "", ""), "US$": ("dólar", "dólares", "centavo", "centavos"),
     },
     units={
@@ -80,7 +82,8 @@ AMOUNTS: Final = Amounts(
         "h": ("hora", "horas"), "min": ("minuto", "minutos"), "s": ("segundo", "segundos"),
         "km/h": ("kilómetro por hora", "kilómetros por hora"),
         "m²": ("metro cuadrado", "metros cuadrados"), "m2": ("metro cuadrado", "metros cuadrados"),
-        "°C": ("grado centígrado", "grados centígrados"), "ºC": ("grado centígrado", "grados centígrados"),
+        "°C": ("grado centígrado", "grados centígrados"),
+        "ºC": ("grado centígrado", "grados centígrados"),
         "°": ("grado", "grados"), "Hz": ("hercio", "hercios"), "kHz": ("kilohercio", "kilohercios"),
         "MB": ("megabyte", "megabytes"), "GB": ("gigabyte", "gigabytes"),
     },
@@ -119,7 +122,7 @@ SAID: Final = MappingProxyType({
     "uve": "ˈu β e", "ye": "ʝ ˈe", "e": "e", "y": "i", "o": "o", "u": "u", "a": "a",
     "méxico": "m ˈe x i k o", "mexicano": "m e x i k ˈa n o", "mexicana": "m e x i k ˈa n a",
     "texas": "t ˈe x a s", "oaxaca": "o a x ˈa k a", "israel": "i s r a ˈe l",
-    "yo": "ʝ ˈo", "ya": "ʝ ˈa", "muy": "m ˈu i̯",
+    "onu": "ˈo n u", "otan": "ˈo t a n", "yo": "ʝ ˈo", "ya": "ʝ ˈa", "muy": "m ˈu i̯",
 })  # fmt: skip
 
 TABLES: Final = Tables(

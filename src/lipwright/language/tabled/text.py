@@ -73,7 +73,7 @@ class Reader:
             return Token(written, line, column, written)
         core = trim(self._plain(written), self._is_amount)
         place = f"{source}: line {line}"
-        if any(is_letter(char) and not self._is_own(char) for char in core):
+        if not core.isascii() and any(is_letter(c) and not self._is_own(c) for c in core):
             first = next((at for at, char in enumerate(written) if self._is_foreign(char)), 0)
             run = written[first : first + 12]
             foreign = "".join(char for char in run if self._is_foreign(char))
@@ -166,7 +166,7 @@ class Reader:
         dotted = token.core != token.bare and bare == token.bare
         for words in (
             self._address(bare),
-            self._short(bare, dotted, before),
+            self._short(bare, dotted),
             self._ordinal(bare, dotted, before, after),
             self._amounts.read(bare, before, after) if re.search(r"\d", bare) else None,
         ):
@@ -174,7 +174,7 @@ class Reader:
                 return words
         return self._pieces(bare)
 
-    def _short(self, bare: str, dotted: bool, before: str) -> list[str] | None:
+    def _short(self, bare: str, dotted: bool) -> list[str] | None:
         """The words of an abbreviation, initials or a Roman numeral; or None."""
         lower = bare.lower()
         table = self._tables.abbreviations
@@ -184,7 +184,7 @@ class Reader:
             return table[lower].split()
         if self._initials.fullmatch(bare):
             return self._spell(bare.replace(".", ""))
-        if len(bare) > 1 and before[:1].isupper() and not self._shouting:
+        if len(bare) > 1 and not self._shouting and lower not in self._tables.spelt:
             value = roman(bare)
             if value:
                 amounts = self._tables.amounts
@@ -202,10 +202,9 @@ class Reader:
             if ending is None and after.lower() in amounts.months:
                 ending = amounts.ordinal_before[""]
             return None if ending is None else ordinal(int(bare), amounts, "m", ending)
-        for pattern, gender in amounts.ordinals:
-            if found := re.fullmatch(rf"([IVXL]+){pattern}", bare):
-                value = roman(found[1])
-                return ordinal(value, amounts, gender) if value else None
+        found = re.fullmatch(rf"([IVX]+)(?:{amounts.roman_ranks})", bare)
+        if found and amounts.roman_ranks and (value := roman(found[1])):
+            return ordinal(value, amounts)
         return None
 
     def _address(self, bare: str) -> list[str] | None:

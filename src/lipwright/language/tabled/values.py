@@ -96,7 +96,9 @@ class Amounts:
     single_decimals: bool = False
     """decimals are read digit by digit"""
     roman: Literal["cardinal", "ordinal", "ordinal to ten"] = "cardinal"
-    """how II to XXX behind a name are read"""
+    """how II to XXX are read"""
+    roman_ranks: str = ""
+    """pattern behind a Roman numeral that makes it an ordinal"""
 
 
 @dataclass(frozen=True)
@@ -143,3 +145,5 @@ class Tables:
     link: Link | None = None
     guess_from: str | None = None
     """folder of the g2p model; None is the first of `lexicons`"""
+    guess_plain: bool = False
+    """the g2p model knows no accents"""
