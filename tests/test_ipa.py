@@ -180,6 +180,7 @@ def test_ties_part_nothing_that_was_one(word: str) -> None:
         ("ky", "ˈonbeS", "AO N B EH SH"), ("is", "tˈoʊl#f", "T OW L F"), ("da", "ˈ?a", "AA"),
         ("ta", "nʲˌeːɻʉ", "N EH XZ UX"), ("es", "nˈweβe", "N W EH V EH"),
         ("en-us", "bˈɑːɾəl", "B AA DX AX L"),
+        ("hi", "c|ˈaː|b", "CH AA B"), ("sw", "m|ˈo|ɟ|a", "M AO JH AA"), ("tr", "c|e", "K EH"),
         ("en-us", "ɹˈoʊzᵻz", "R OW Z IX Z"), ("en-us", "ˈaɪʊ\N{REPLACEMENT CHARACTER}", "AY UH"),
     ],
 )  # fmt: skip

@@ -41,7 +41,14 @@ _CANTONESE: Final = MappingProxyType({
     "onɡ": "ɔŋ", "unɡ": "ʊŋ", "oenɡ": "œŋ", "oe": "œ", "eo": "ɵ", "eoi": "ɵy", "yu": "y",
     "nɡ": "ŋ", "c": "tsʰ", "z": "ts",  # Ceoi and Zoeng of jyutping
 })  # fmt: skip
+# The palatal stops of India are said, and seen, as affricates: CHai, Jaya; of Swahili: moJa.
+_AFFRICATES: Final = MappingProxyType({"c": "tʃ", "cʰ": "tʃʰ", "ɟ": "dʒ", "ɟʰ": "dʒʰ"})
+_INDIC: Final = (
+    "hi", "mr", "ur", "ne", "gu", "pa", "bn", "as", "or", "sd", "kok", "bpy", "ta", "te", "kn",
+    "ml", "si",
+)  # fmt: skip
 _WHOLE: Final = MappingProxyType({
+    **dict.fromkeys((*_INDIC, "sw"), _AFFRICATES),
     "cmn": MappingProxyType({"i.": "ʅ", "i̪": "ɿ", "o-": "ɤ", "ər": "ɚ"}),
     "hak": MappingProxyType({"i.": "i", "o-": "ɔ"}),
     "yue": _CANTONESE,

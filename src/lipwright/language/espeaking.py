@@ -26,7 +26,8 @@ _VOICES: Final = MappingProxyType({
 })  # fmt: skip
 _AT_ONCE: Final = 50_000  # characters of a request; espeak takes 100,000
 _ACRONYM: Final = 5  # letters at most
-_PART: Final = re.compile(r"[^，。！？、；：…。·।॥።፣،؛؟]+[，。！？、；：…。·।॥።፣،؛؟]*")
+_MARKS: Final = "，。！？、；：…·।॥።፣،؛؟"  # no white space need follow them
+_PART: Final = re.compile(f"[^{_MARKS}]+[{_MARKS}]*")
 
 
 class EspeakLanguage:
@@ -125,7 +126,7 @@ def _parts(token: str, column: int) -> Iterator[tuple[str, int]]:
 def _word(written: str, dictionary: Dictionary | None) -> str:
     """The word in a token; empty where nothing in it is said."""
     plain = unicodedata.normalize("NFC", written.translate(SIGNS))
-    core = "".join(char for char in plain if _is_said(char)).strip(EDGE + ".-'")
+    core = "".join(char for char in plain if _is_said(char)).strip(EDGE + _MARKS + ".-'「」『』")
     for key in (word_key(plain), word_key(core)):
         if dictionary and key and key in dictionary:
             return key
@@ -141,7 +142,7 @@ def _is_said(char: str) -> bool:
 
 def _said(word: SpokenWord) -> str:
     """What espeak-ng is given: short words in capitals are spelt out, as they are written."""
-    core = word.written.translate(SIGNS).strip(EDGE + ".-'")
+    core = word.written.translate(SIGNS).strip(EDGE + _MARKS + ".-'「」『』")
     is_acronym = core.isupper() and core.isalpha() and 1 < len(core) <= _ACRONYM
     return core if is_acronym and core.lower() == word.text else word.text
 
