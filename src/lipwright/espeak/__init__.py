@@ -8,21 +8,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lipwright.errors import LipwrightError
 from lipwright.espeak.corrections import corrected
 from lipwright.espeak.process import EXTRA, KEEPER, find_library
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+from lipwright.espeak.values import Clause, EspeakLanguage, PhoneEvent, Speech, WordEvent
 
 __all__ = [
     "EXTRA",
+    "Clause",
     "EspeakLanguage",
     "PhoneEvent",
     "Speech",
@@ -31,6 +28,7 @@ __all__ = [
     "is_available",
     "languages",
     "speak",
+    "to_clauses",
     "to_ipa",
     "variants",
     "version",
@@ -53,59 +51,6 @@ _BETWEEN: Final = "_"  # phonemes, when we ask for IPA; no phoneme is written wi
 _SWITCH: Final = re.compile(r"\([a-z][a-zA-Z0-9-]*\)")  # "(en)": from here on in that language
 _VOICE: Final = re.compile(r"([A-Za-z0-9-]+)(?:\+([A-Za-z0-9_-]{1,30}))?")
 _VARIANT: Final = re.compile(r"[A-Za-z0-9_-]{1,30}")
-
-
-@dataclass(frozen=True)
-class EspeakLanguage:
-    """A voice of espeak-ng by the language that it speaks."""
-
-    code: str
-    """as `to_ipa` and `speak` take it, in lower case: "sv", "en-gb", "cmn-latn-pinyin" """
-    name: str
-    """in English, such as "Swedish" """
-    codes: tuple[str, ...]
-    """every language code that the voice gives itself, the main one first"""
-    identifier: str
-    """its file, such as "gmq/sv" """
-
-
-@dataclass(frozen=True)
-class PhoneEvent:
-    """Where espeak-ng says that a sound begins."""
-
-    start: float
-    """s"""
-    label: str
-    """IPA with stress and length marks, or a mnemonic where these were asked for; "" a pause. Up
-    to 8 bytes of UTF-8; longer IPA ends there"""
-    position: int
-    """of the word that it belongs to: index of the character in the text"""
-
-
-@dataclass(frozen=True)
-class WordEvent:
-    """Where espeak-ng says that a word begins."""
-
-    start: float
-    """s"""
-    position: int
-    """index of its first character in the text"""
-    length: int
-    """characters"""
-
-
-@dataclass(frozen=True, eq=False)
-class Speech:
-    """What espeak-ng has said."""
-
-    samples: npt.NDArray[np.float32]
-    """(N,), full scale is 1; read-only"""
-    rate: int
-    """samples a second"""
-    phones: tuple[PhoneEvent, ...]
-    """in order of their starts"""
-    words: tuple[WordEvent, ...]
-    """in order of their starts"""
 
 
 def is_available() -> bool:
@@ -187,7 +132,40 @@ def words_to_ipa(texts: Sequence[str], language: str, separator: str = "") -> tu
     count = sum(map(len, plain)) + len(plain)
     request = {"verb": "ipa", "voice": voice, "texts": plain, "separator": _BETWEEN}
     answer, _ = _ask(request, count)
-    return tuple(_joined(ipa, code, separator) for ipa in answer["ipa"])
+    return tuple(
+        "\n".join(filter(None, (_joined(ipa, code, separator) for ipa, _ in clauses)))
+        for clauses in answer["clauses"]
+    )
+
+
+def to_clauses(text: str, language: str) -> tuple[Clause, ...]:
+    """A text as espeak-ng parts it at punctuation.
+
+    Raises:
+        LipwrightError: as `to_ipa`.
+    """
+    voice, code = _checked_voice(language)
+    plain = _plain(text)
+    request = {"verb": "ipa", "voice": voice, "texts": [plain], "separator": _BETWEEN}
+    answer, _ = _ask(request, len(plain))
+    return tuple(
+        Clause(
+            part,
+            tuple(tuple((one, corrected(one, code)) for one in word) for word in _words(ipa)),
+        )
+        for ipa, part in _whole_words(answer["clauses"][0])
+    )
+
+
+def _whole_words(clauses: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The clauses without the one character that espeak-ng reads ahead of each."""
+    found: list[tuple[str, str]] = []
+    ahead = ""
+    for number, (ipa, part) in enumerate(clauses):
+        text = ahead + part
+        ahead = text[-1:] if number + 1 < len(clauses) and text[-1:].isalnum() else ""
+        found.append((ipa, text.removesuffix(ahead)))
+    return found
 
 
 def speak(
@@ -305,10 +283,12 @@ def _plain(text: str, brackets: bool = False) -> str:
 
 
 def _joined(ipa: str, code: str, separator: str) -> str:
-    """The phonemes of words of clauses, each as it should be, without marks of language."""
-    clauses = []
-    for clause in ipa.split("\n"):
-        words = (word.split(_BETWEEN) for word in _SWITCH.sub("", clause).split())
-        said = (separator.join(corrected(one, code) for one in word if one) for word in words)
-        clauses.append(" ".join(word for word in said if word))
-    return "\n".join(clause for clause in clauses if clause)
+    """The words of a clause, each of its phonemes as it should be."""
+    words = ([corrected(one, code) for one in word] for word in _words(ipa))
+    return " ".join(separator.join(word) for word in words)
+
+
+def _words(ipa: str) -> list[list[str]]:
+    """The words of a clause and their phonemes, without marks of language."""
+    words = ([one for one in word.split(_BETWEEN) if one] for word in _SWITCH.sub("", ipa).split())
+    return [word for word in words if word]

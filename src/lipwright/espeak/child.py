@@ -172,16 +172,22 @@ class Engine:
         """The IPA of each text alone."""
         self._choose(request["voice"])
         mode = AS_IPA | ord(request["separator"] or "\0") << 8
-        return {"ipa": [self._ipa_of(text, mode) for text in request["texts"]]}, b""
+        return {"clauses": [self._clauses(text, mode) for text in request["texts"]]}, b""
 
-    def _ipa_of(self, text: str, mode: int) -> str:
-        data = ctypes.create_string_buffer(text.encode())
-        place = ctypes.c_void_p(ctypes.addressof(data))
-        clauses = []
+    def _clauses(self, text: str, mode: int) -> list[tuple[str, str]]:
+        """The IPA of each clause and its text."""
+        encoded = text.encode()
+        data = ctypes.create_string_buffer(encoded)
+        first = ctypes.addressof(data)
+        place = ctypes.c_void_p(first)
+        clauses, done = [], 0
         while place.value:
             found = self._lib.espeak_TextToPhonemes(ctypes.byref(place), UTF8, mode)
-            clauses.append((found or b"").decode("utf-8", "replace").strip())
-        return "\n".join(clause for clause in clauses if clause)
+            end = place.value - first if place.value else len(encoded)
+            ipa = (found or b"").decode("utf-8", "replace").strip()
+            clauses.append((ipa, encoded[done:end].decode("utf-8", "ignore")))
+            done = end
+        return clauses
 
     def speak(self, request: dict[str, Any]) -> Answer:
         """Sound of 16 bits, and the phones and words in it."""
