@@ -20,6 +20,7 @@ from lipwright.speech.voices.espeak_text import (
     plain_text,
 )
 from lipwright.speech.voices.espeak_times import spoken_samples, to_stretch
+from lipwright.speech.voices.scripts import check_text
 from lipwright.speech.voices.stretching import stretch
 from lipwright.speech.voices.timeline import Stretch, Timeline
 from lipwright.speech.voices.values import Emphasis, Piece, Script, Utterance, VoiceInfo
@@ -90,7 +91,7 @@ class EspeakVoice:
             LipwrightError: nothing is said, or a control character stands in the text.
         """
         for piece in script:
-            _check(piece, source)
+            check_text(piece, source)
         timeline = Timeline(RATE)
         whole = sum(map(_size, script)) or 1
         done, joins = 0, False
@@ -210,19 +211,6 @@ def _cut(sentence: str) -> Iterator[str]:
         yield sentence[:place]
         sentence = sentence[place:]
     yield sentence
-
-
-def _check(piece: Piece, source: str) -> None:
-    """Refuse what cannot be said, with its place."""
-    line, column = piece.line, piece.column
-    for char in piece.text:
-        code = ord(char)
-        if (code < 32 and char not in "\n\r\t") or 0x7F <= code < 0xA0 or 0xD800 <= code < 0xE000:
-            raise LipwrightError(
-                f"{source}: line {line}, column {column}: the character U+{code:04X} cannot be "
-                "said; remove it"
-            )
-        line, column = (line + 1, 1) if char == "\n" else (line, column + 1)
 
 
 class EspeakBackEnd:

@@ -60,7 +60,7 @@ def to_stretch(speech: Speech, text: SaidText, code: str) -> Stretch:
             continue
         if PHONES[sounds[0].phone].manner in _STOPS:
             start = heard.closure(index, not timed or timed[-1].phone == SILENCE)
-        timed += _shared(sounds, start, stop, word)
+        timed += share_time(sounds, start, stop, word)
     if code.startswith("cmn"):
         timed = _once(timed)
     return Stretch(speech.samples, tuple(_without_gaps(timed, heard)), tuple(words))
@@ -111,8 +111,8 @@ def _sounds(label: str) -> tuple[Sound, ...]:
         return tuple(found)
 
 
-def _shared(sounds: Sequence[Sound], start: int, stop: int, word: int | None) -> list[Timed]:
-    """The sounds of one event, each with its share of the event's time."""
+def share_time(sounds: Sequence[Sound], start: int, stop: int, word: int | None) -> list[Timed]:
+    """The sounds of one phoneme, each with its share of the time from `start` to `stop`."""
     weights = [
         1.0 if not PHONES[sound.phone].is_vowel else _LONG_WEIGHT if "ː" in sound.ipa
         else _VOWEL_WEIGHT for sound in sounds

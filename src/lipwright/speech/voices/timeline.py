@@ -99,6 +99,22 @@ class Timeline:
         self._words += stretch.words
         self._push(stretch.samples)
 
+    def end_speech(self) -> None:
+        """Cut the silence at the end, so that what follows comes right behind the last phone."""
+        if not self._phones or self._phones[-1].phone != SILENCE:
+            return
+        count = self._length - self._phones.pop().start
+        self._length -= count
+        while count:
+            last = self._samples.pop()
+            if len(last) > count:
+                self._samples.append(last[: len(last) - count])
+            count = max(count - len(last), 0)
+
+    def audio(self) -> Audio:
+        """The sound alone."""
+        return Audio(self._loud_enough(np.concatenate(self._samples)), self.rate)
+
     def utterance(self, text: str) -> Utterance:
         """All of it, with silence around it.
 
@@ -125,9 +141,12 @@ class Timeline:
             tuple(phone.phone for phone in phones), edges / self.rate, self._spans(phones),
             tuple(phone.stress for phone in phones),
         )  # fmt: skip
+        return Utterance(Audio(self._loud_enough(samples), self.rate), track, text)
+
+    def _loud_enough(self, samples: Samples) -> Samples:
+        """Not above full scale."""
         loudest = max(1.0, float(np.abs(samples).max(initial=0.0)))
-        samples = (samples / loudest).astype(np.float32)
-        return Utterance(Audio(samples, self.rate), track, text)
+        return (samples / loudest).astype(np.float32)
 
     def _begin(self, phone: str) -> None:
         if not self._phones or self._phones[-1].phone != phone:
