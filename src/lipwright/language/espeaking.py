@@ -6,7 +6,6 @@ Its rules look at one word at a time here: what words do to each other is lost.
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from types import MappingProxyType
@@ -17,7 +16,8 @@ from lipwright.language.base import Phoneme, Pronunciation, SpokenWord
 from lipwright.language.codes import NAMES, resolve_code
 from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.espeak_ipa import SEPARATOR, read_espeak
-from lipwright.language.tokens import EDGE, SIGNS, split_text
+from lipwright.language.tokens import EDGE, SIGNS
+from lipwright.language.unspaced import MARKS, split_unspaced
 from lipwright.phones import PHONES
 
 # Our codes that are not espeak-ng's, and its voice for them.
@@ -26,8 +26,6 @@ _VOICES: Final = MappingProxyType({
 })  # fmt: skip
 _AT_ONCE: Final = 50_000  # characters of a request; espeak takes 100,000
 _ACRONYM: Final = 5  # letters at most
-_MARKS: Final = "，。！？、；：…·।॥።፣،؛؟"  # no white space need follow them
-_PART: Final = re.compile(f"[^{_MARKS}]+[{_MARKS}]*")
 
 
 class EspeakLanguage:
@@ -50,10 +48,9 @@ class EspeakLanguage:
             LipwrightError: there are no words, or one is too long.
         """
         words = []
-        for token, line, start in split_text(text, source):
-            for written, column in _parts(token, start):
-                if word := _word(written, dictionary):
-                    words.append(SpokenWord(word, written, line, column))
+        for written, line, column in split_unspaced(text, source):
+            if word := _word(written, dictionary):
+                words.append(SpokenWord(word, written, line, column))
         if not words:
             raise LipwrightError(f"{source}: has no words; give the words that are spoken")
         return tuple(words)
@@ -117,16 +114,10 @@ def make(code: str) -> EspeakLanguage:
     return EspeakLanguage(resolve_code(code))
 
 
-def _parts(token: str, column: int) -> Iterator[tuple[str, int]]:
-    """A token where no space stands behind full stops and commas, as in Chinese and Hindi."""
-    for found in _PART.finditer(token):
-        yield found[0], column + found.start()
-
-
 def _word(written: str, dictionary: Dictionary | None) -> str:
     """The word in a token; empty where nothing in it is said."""
     plain = unicodedata.normalize("NFC", written.translate(SIGNS))
-    core = "".join(char for char in plain if _is_said(char)).strip(EDGE + _MARKS + ".-'「」『』")
+    core = "".join(char for char in plain if _is_said(char)).strip(EDGE + MARKS + ".-'「」『』")
     for key in (word_key(plain), word_key(core)):
         if dictionary and key and key in dictionary:
             return key
@@ -142,7 +133,7 @@ def _is_said(char: str) -> bool:
 
 def _said(word: SpokenWord) -> str:
     """What espeak-ng is given: short words in capitals are spelt out, as they are written."""
-    core = word.written.translate(SIGNS).strip(EDGE + _MARKS + ".-'「」『』")
+    core = word.written.translate(SIGNS).strip(EDGE + MARKS + ".-'「」『』")
     is_acronym = core.isupper() and core.isalpha() and 1 < len(core) <= _ACRONYM
     return core if is_acronym and core.lower() == word.text else word.text
 
