@@ -65,7 +65,7 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
                 {"mouthFunnel": ("at_least", 0.35)}),
     Requirement(("UW", "UX", "UH", "XIY", "XIH", "XEY"), "tOO",
                 {"mouthPucker": ("at_least", 0.45)}),
-    Requirement(("OW", "AO", "OY"), "gO",
+    Requirement(("OW", "AO", "OY", "XEH"), "gO",
                 {"mouthFunnel": ("at_least", 0.2), "mouthPucker": ("at_least", 0.2)}),
     Requirement(("W", "WH"), "With",
                 {"mouthPucker": ("at_least", 0.6), "jawOpen": ("at_most", 0.08)}),
@@ -81,10 +81,11 @@ REQUIREMENTS: Final[tuple[Requirement, ...]] = (
 # What a camera sees too little of, and so no network learns: the lip behind the teeth, and lips
 # that are pushed towards it. None of these opens or shuts the lips by much.
 UNSEEN: Final[tuple[Requirement, ...]] = (
-    Requirement(("SH", "ZH", "CH", "JH"), "SHe",
+    Requirement(("SH", "ZH", "CH", "JH", "XS", "XZ", "XCH", "XH"), "SHe",
                 {"mouthPucker": ("at_least", 0.35), "mouthFunnel": ("at_least", 0.1)}),
-    Requirement(("OW", "AO", "OY"), "gO", {"mouthPucker": ("at_least", 0.4)}),
-    Requirement(("UW", "UX", "UH"), "tOO", {"mouthPucker": ("at_least", 0.55)}),
+    Requirement(("OW", "AO", "OY", "XEH"), "gO", {"mouthPucker": ("at_least", 0.4)}),
+    Requirement(("UW", "UX", "UH", "XIY", "XIH", "XEY"), "tOO",
+                {"mouthPucker": ("at_least", 0.55)}),
     Requirement(("W", "WH"), "With", {"mouthPucker": ("at_least", 0.6)}),
     Requirement(("F", "V"), "Fork", {"mouthRollLower": ("at_least", 0.4)}),
 )  # fmt: skip
