@@ -130,7 +130,7 @@ def _spoken(syllables: Sequence[str], source: Source) -> Pronunciation:
 
 
 def _distinct(ways: Iterable[Pronunciation]) -> tuple[Pronunciation, ...]:
-    return tuple({way.ipa: way for way in ways}.values())
+    return tuple({(way.phones, way.ipa): way for way in reversed(list(ways))}.values())[::-1]
 
 
 def _english(word: str) -> tuple[Pronunciation, ...]:

@@ -43,7 +43,7 @@ _LONG_MEASURES: Final = (
     "小时|小時|分钟|分鐘|公[里斤尺分]|[厘毫千]米|[毫千]克|毫升|英[里尺寸]|章节|星期|个月|個月|平方"
 )
 _COUNTED: Final = f"(?:[{_MEASURES}]|{_LONG_MEASURES})"
-_NOT_COUNTED: Final = f"(?:[{_MEASURES}]|{_LONG_MEASURES})"
+_NOT_COUNTED: Final = "年级|年級|等|人称|人稱|分之|进制|進位|维|維"  # as in 第二
 _N: Final = r"(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?|\.\d+"
 _UNIT: Final = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
 _UNIT_END: Final = r"(?![A-Za-z\d])"
@@ -151,7 +151,7 @@ _RULES: Final[tuple[tuple[re.Pattern[str], Rule], ...]] = tuple(
         (rf"(?P<minus>-?)(?P<number>{_N})%?(?:{_TO}(?P<to>{_N}))?\s?(?P<sign>[%‰])", _percent),
         (rf"(?P<minus>-?)(?:(?P<before>{_MONEY})\s?(?=[\d.])|(?=[\d.,]+(?:{_MAGNITUDE})?\s?"
          rf"(?:{_MONEY})))(?P<number>{_N})(?P<magnitude>{_MAGNITUDE})?"
-         rf"(?:\s?(?P<behind>{_MONEY}))?", _money),
+         rf"(?(before)|\s?(?P<behind>{_MONEY}))", _money),
         (rf"(?P<minus>-?)(?P<number>{_N})(?:{_TO}(?P<to>{_N}))?\s?(?P<unit>{_UNIT}){_UNIT_END}",
          _measure),
         (r"\+?(?:86[- ]?)?1[3-9]\d(?:[- ]?\d{4}){2}(?!\d)|\+\d{7,15}|0\d{2,3}-\d{7,8}|"

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from lipwright.language.mandarin.pinyin import syllables_of
-from lipwright.language.mandarin.polyphones import CONTEXTS, POLYPHONES, TWO_SYLLABLES
+from lipwright.language.mandarin.polyphones import CONTEXTS, PHRASES, POLYPHONES, TWO_SYLLABLES
 from lipwright.language.mandarin.syllables import ERHUA, INTERJECTIONS
 
 Reading = tuple[str, ...]
@@ -60,8 +60,8 @@ def segment(text: str, own: Container[str] = ()) -> list[str]:
     """The words of a run of characters: phrases of the lexicon and of `own`, else characters.
 
     Words of `own` go before all; then as few words as can be, of which as few as can be are
-    characters by themselves, so that 研究生命 is 研究 + 生命 and not 研究生 + 命; then the longest
-    first. The 儿 of erhua joins the word before it.
+    characters by themselves; then the longest first, so that 使劲吹 is 使劲 + 吹 and not 使 + 劲吹.
+    The 儿 of erhua joins the word before it.
     """
     phrases, _ = _lexicon()
     plain = simplify(text)
@@ -75,7 +75,11 @@ def segment(text: str, own: Container[str] = ()) -> list[str]:
             end = start + length
             if text[start:end] in own:
                 way = min(way, (best[end][0] - 2 * length, best[end][1], -length))
-            elif length > 1 and (plain[start:end] in phrases or text[start:end] in phrases):
+            elif length > 1 and (
+                plain[start:end] in phrases
+                or text[start:end] in phrases
+                or plain[start:end] in PHRASES
+            ):
                 way = min(way, (best[end][0] + 1, best[end][1], -length))
         best[start] = way
     words: list[str] = []
@@ -122,6 +126,8 @@ def _takes_r(syllable: str) -> bool:
 
 def _phrase(word: str) -> tuple[Reading, ...]:
     """The readings of a phrase of the lexicon; none if it lacks the phrase."""
+    if ours := PHRASES.get(word):
+        return (tuple(ours.split()),)
     found = _lexicon()[0].get(word)
     if not found:
         return ()

@@ -118,6 +118,12 @@ CONTEXTS: Final = tuple(
 )  # fmt: skip
 """character, what stands before and behind it, and its reading there; the first that fits"""
 
+PHRASES: Final = MappingProxyType({
+    "大夫": "dai fu", "长江大桥": "chang jiang da qiao", "银行长": "yin hang zhang",
+    "重置": "chong zhi", "重做": "chong zuo", "长大后": "zhang da hou",
+})  # fmt: skip
+"""words that the lexicon lacks, or that it reads as old books do"""
+
 TWO_SYLLABLES: Final = (
     "女儿", "婴儿", "幼儿", "孤儿", "少儿", "健儿", "小儿", "胎儿", "生儿", "男儿", "孙儿", "产儿",
     "宠儿", "弃儿", "血儿", "患儿", "育儿", "托儿", "妻儿", "侄儿", "乞儿", "娇儿", "骄儿", "痴儿",

@@ -19,7 +19,7 @@ from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
 _MARKS: Final = "，。！？、；：…"  # no white space follows them
 _TOKEN: Final = re.compile(f"[^\\s{_MARKS}]+[{_MARKS}]*[”’）》」]*")
 _EDGE: Final = "\"“”„‟‘’'()（）[]{}<>《》「」『』【】〈〉〔〕*_~|,.;:!?-–—…·•" + _MARKS
-_TAIL: Final = re.compile(f'[{re.escape(",.;:!?…")}{_MARKS}]*["”’）)》」』】\\]]*')
+_TAIL: Final = re.compile(f'[{re.escape(",.;:!?")}{_MARKS}"”’）)》」』】\\]]*')
 _APOSTROPHES: Final = str.maketrans("’‘ʼʻ`´", "''''''")
 _UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")  # "[laughs]", tags
 _LATIN: Final = re.compile(
@@ -201,7 +201,7 @@ def _line(number: int, written: str) -> _Line:
     columns: list[int] = []
     for column, char in enumerate(_BETWEEN_DIGITS.sub(":", written)):
         plain = char if char.isascii() or char in _MARKS else _plain(char)
-        if "/" in plain and parts and parts[-1].isdigit():  # the half of 2½
+        if len(plain) > 1 and "/" in plain and parts and parts[-1].isdigit():  # the half of 2½
             plain = " " + plain
         parts += plain
         columns += [column] * len(plain)
