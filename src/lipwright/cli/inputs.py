@@ -95,6 +95,8 @@ def read_text(text: str) -> tuple[str, str]:
     """
     if text == STDIN:
         return _decode(piped_in().read(MAX_TEXT), "standard input"), "standard input"
+    if text.lstrip().startswith("<"):  # SSML, whose slashes are no folders
+        return text, "--text"
     try:
         is_folder = Path(text).is_dir()
         is_file = Path(text).exists() and not is_folder  # a pipe too, as of <(echo hello)
