@@ -53,11 +53,12 @@ _MAY: Final = MappingProxyType({
     "peut": "t", "avait": "t", "font": "t", "vont": "t", "pas": "z", "plus": "z", "moins": "z",
     "mais": "z", "suis": "z", "sommes": "z", "êtes": "z", "jamais": "z", "toujours": "z",
     "avons": "z", "avez": "z", "trop": "p", "beaucoup": "p", "assez": "z", "puis": "z", "fort": "t",
-    "soit": "t", "serait": "t", "comment": "t", "cents": "z",
+    "premier": "ʁ", "dernier": "ʁ", "léger": "ʁ", "soit": "t", "serait": "t",
+    "comment": "t", "cents": "z",
 })  # fmt: skip
 _MUST: Final = MappingProxyType(
     {**dict.fromkeys(_Z, "z"), **dict.fromkeys(_N, "n"), **dict.fromkeys(_T, "t"),
-     "premier": "ʁ", "dernier": "ʁ", "léger": "ʁ"}
+    }
 )  # fmt: skip
 
 # h that bars elision and liaison ("Le bon usage", section 48), and glides that do
@@ -119,7 +120,11 @@ def _number(word: str, ways: tuple[Way, ...], takes: bool) -> tuple[Way, ...]:
 
 
 def _without_schwa(way: Way, place: Place) -> tuple[Way, ...]:
-    """The way without its e where it may fall: alone behind a vowel, or last."""
+    """The way without an e that may fall: alone behind a vowel, last, or between VC and CV."""
+    for at in range(2, len(way.sounds) - 2):
+        around = [plain(sound)[0] in _V for sound in way.sounds[at - 2 : at + 3]]
+        if way.sounds[at] == "ə" and around == [True, False, True, False, True]:
+            return (Way(way.sounds[:at] + way.sounds[at + 1 :], "rule"),)
     *front, last = way.sounds
     if plain(last) != "ə" or not front:
         return ()

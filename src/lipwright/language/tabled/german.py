@@ -126,6 +126,7 @@ SAID: Final = MappingProxyType({
     "o": "ˈoː", "pe": "p ˈeː", "ku": "k ˈuː", "te": "t ˈeː", "u": "ˈuː", "vau": "f ˈaʊ̯",
     "we": "v ˈeː", "ix": "ˈɪ k s", "ypsilon": "ˈʏ p s iː l ɔ n", "zett": "ts ˈɛ t",
     "ä": "ˈɛː", "ö": "ˈøː", "ü": "ˈyː", "eszett": "ɛ s ts ˈɛ t",
+    "goethe": "ɡ ˈøː t ə", "lippenstift": "l ˈɪ p ə n ʃ t ˌɪ f t",
     "europa": "ɔɪ̯ ʁ ˈoː p aː",
     "der": "d eː ɐ̯ / d ɐ", "er": "eː ɐ̯ / ɐ", "wer": "v eː ɐ̯", "genie": "ʒ eː n ˈiː",
     "restaurant": "ʁ ɛ s t oː ʁ ˈɑ̃",

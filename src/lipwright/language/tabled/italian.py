@@ -35,8 +35,8 @@ _AFFRICATES: Final = tuple(
 )  # fmt: skip
 _LEXICON: Final = tokens_mended(*_UNTIED, *_AFFRICATES, *_LONG)
 _ESPEAK: Final = tokens_mended(
-    ("zː|z z", "z"), ("h", ""), ("t̪", "t"), ("d̪", "d"), ("t̪ː", "tː"), ("ə", "e"), ("y", "u"), ("ʌ", "a"), ("ɒ", "ɔ"),
-    ("ɜː", "ɛ"), ("ʁ|ɹ|ɾ", "r"), ("ɪː?", "i"), ("ʊ", "u"),
+    ("zː|z z", "z"), ("h", ""), ("t̪", "t"), ("d̪", "d"), ("t̪ː", "tː"), ("ə", "e"),
+    ("y", "u"), ("ʌ", "a"), ("ɒ", "ɔ"), ("ɜː", "ɛ"), ("ʁ|ɹ|ɾ", "r"), ("ɪː?", "i"), ("ʊ", "u"),
     *((f"{vowel}ː", vowel) for vowel in "aeiouɛɔ"),
     ("t s", "ts"), ("d z", "dz"), ("t ʃ", "tʃ"), ("d ʒ", "dʒ"),
     ("t sː", "tsː"), ("d zː", "dzː"), ("t ʃː", "tʃː"), ("d ʒː", "dʒː"), *_LONG,
@@ -127,6 +127,7 @@ SAID: Final = MappingProxyType({
     "pi": "p ˈi", "cu": "k ˈu", "ti": "t i", "vu": "v ˈu", "ics": "ˈi k s",
     "ipsilon": "ˈi p s i l o n",
     "e": "e", "è": "ˈɛ", "o": "o", "a": "a", "i": "i", "u": "u", "un": "u n", "casa": "k ˈa s a",
+    "zio": "ts ˈi o / dz ˈi o", "zia": "ts ˈi a / dz ˈi a",
     "aiuola": "a j w ˈɔ l a",
 })  # fmt: skip
 

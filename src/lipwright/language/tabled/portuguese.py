@@ -48,7 +48,7 @@ _OPEN_END: Final = re.compile(r"(?:[aeo]|am|em|as|es|os|ens)$")
 
 
 def stress(word: str, sounds: tuple[str, ...], vowels: tuple[int, ...]) -> int:
-    """A written accent; else the last syllable behind i, u, r, l, z and nasals, or the last but one.
+    """A written accent; else by the ending: the last syllable behind i, u, r, l, z and nasals.
 
     Cunha and Cintra, "Nova gramática do português contemporâneo" (1985), chapter 4.
     """
@@ -159,6 +159,7 @@ SAID: Final = MappingProxyType({
     "zê": "z ˈe", "eme": "ˈẽ m i", "ene": "ˈẽ n i", "efe": "ˈɛ f i", "erre": "ˈɛ ʁ i",
     "dáblio": "d ˈa b l i u", "ípsilon": "ˈi p s i l õ", "que": "k i", "se": "s i", "de": "dʒ i",
     "do": "d u", "dos": "d u s", "no": "n u", "nos": "n u s", "por": "p o ɾ",
+    "põem": "p ˈõj̃", "põem-se": "p ˈõj̃ s i",
 })  # fmt: skip
 
 TABLES: Final = Tables(
@@ -171,6 +172,7 @@ TABLES: Final = Tables(
     address={".": "ponto", "/": "barra", "@": "arroba", "-": "hífen", "_": "sublinhado"},
     letter_names=LETTER_NAMES, said=SAID,
     clitics={"d'": "d", "l'": "l", "n'": "n", "m'": "m", "t'": "t", "qu'": "k"},
-    spelt=frozenset(("usa", "ue", "tv", "dna", "pt", "pc")), stress=stress, finish=finish, link=link,
+    spelt=frozenset(("usa", "ue", "tv", "dna", "pt", "pc")), stress=stress, finish=finish,
+    link=link,
 )  # fmt: skip
 """the language with the code "pt", as it is spoken in Brazil"""

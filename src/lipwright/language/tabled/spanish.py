@@ -42,7 +42,7 @@ _ELSEWHERE: Final = MappingProxyType({"θ": "s", "ʎ": "ʝ"})
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """The sounds b d g as they stand, n before lips as m, and the second ways of seseo and yeísmo."""
+    """What b d g are after their neighbour, m for n before lips, and seseo and yeísmo."""
     del word
     linked = []
     for way in ways:
