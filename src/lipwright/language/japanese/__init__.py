@@ -18,8 +18,8 @@ from lipwright.language.japanese.text import read_text
 _EXAMPLES: Final = MappingProxyType({
     "a": "Ame", "i": "Inu", "ɯ": "Ushi", "e": "Eki", "o": "Oto", "aː": "okAAsan", "iː": "onIIsan",
     "ɯː": "kUUki", "eː": "onEEsan", "oː": "tOOkyoo", "p": "Pan", "b": "Boku", "t": "Te",
-    "d": "Denwa", "k": "Kasa", "ɡ": "Gohan", "ʔ": "aQ (cut short)", "m": "Mizu", "n": "Neko", "ɲ": "Niwa",
-    "ŋ": "giNkoo", "ɴ": "hoN", "ɾ": "Ringo", "ɸ": "Fuyu", "s": "Sakura", "z": "kaZoku",
+    "d": "Denwa", "k": "Kasa", "ɡ": "Gohan", "ʔ": "aQ (cut short)", "m": "Mizu", "n": "Neko",
+    "ɲ": "Niwa", "ŋ": "giNkoo", "ɴ": "hoN", "ɾ": "Ringo", "ɸ": "Fuyu", "s": "Sakura", "z": "kaZoku",
     "ɕ": "SHima", "ʑ": "kaJi", "ç": "Hito", "h": "Hana", "ts": "TSuki", "dz": "Zoo", "tɕ": "CHizu",
     "dʑ": "Jikan", "j": "Yama", "w": "Watashi",
 })  # fmt: skip

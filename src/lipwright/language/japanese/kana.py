@@ -74,7 +74,8 @@ _LENGTHENED: Final = frozenset(
 _VERBS_IN_U: Final = ("おもう", "まよう", "かよう", "ひろう", "さそう", "あらそう", "ただよう")
 
 _LIPS: Final = frozenset({"p", "b", "m"})
-_TIP: Final = frozenset({"t", "d", "n", "ts", "tɕ", "z", "dz", "ʑ", "dʑ", "ɲ", "ɾ"})
+_TIP: Final = frozenset({"t", "d", "n", "ts", "z", "dz", "ɾ"})
+_PALATE: Final = frozenset({"ɲ", "tɕ", "ʑ", "dʑ"})
 _BACK: Final = frozenset({"k", "ɡ"})
 _CLOSED_FIRST: Final = MappingProxyType({
     "ts": "t", "tɕ": "t", "z": "d", "ʑ": "d",
@@ -164,4 +165,6 @@ def _nasal(following: str) -> str:
         return "m"
     if following in _TIP:
         return "n"
+    if following in _PALATE:
+        return "ɲ"
     return "ŋ" if following in _BACK else "ɴ"
