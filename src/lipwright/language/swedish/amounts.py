@@ -14,6 +14,8 @@ _NUMBER: Final = r"\d{1,3}(?:[. ]\d{3})+(?:,\d+)?|\d+(?:,\d+)?"
 _SIGN: Final = r"(?P<sign>[-+]?)"
 _UNIT: Final = "|".join(re.escape(unit) for unit in sorted(tables.UNITS, key=len, reverse=True))
 _CURRENCY: Final = "[" + re.escape("".join(sorted(tables.CURRENCIES))) + "]"
+_CARDINALS: Final = 16  # digits from which even a number in groups is read digit by digit
+_YEAR: Final = re.compile(r"1[1-9]\d\d|20\d\d", re.ASCII)
 _CLOCK: Final = ("kl", "kl.", "klockan")
 
 Rule = Callable[["Match[str]", str, str], list[str]]
@@ -61,14 +63,16 @@ def _is_common(unit: str) -> bool:
 
 def _plain(text: str, after: str = "", before: str = "") -> list[str]:
     """A number: a date before a month, a year if it looks like one and counts nothing."""
-    text = re.sub(r"[. ](?=\d{3})", "", text)
+    grouped, text = text, re.sub(r"[. ](?=\d{3})", "", text)
     if after.rstrip(".").lower() in _MONTHS and text.isdigit() and int(text) < 32:
         return ordinal(int(text))
     if before in _CLOCK and text.isdigit():
         return cardinal(int(text))
     counts = after in tables.UNITS or after in ("procent", "kronor", "personer", "gånger", "meter")
-    if len(text) == 4 and text.isdigit() and 1100 <= int(text) < 2100 and not counts:
+    if grouped == text and not counts and _YEAR.fullmatch(text):
         return year(int(text))
+    if grouped != text and "," not in text and len(text) < _CARDINALS:
+        return cardinal(int(text), _is_common(after))
     return number(text, _is_common(after))
 
 

@@ -24,11 +24,12 @@ from lipwright.language.swedish.sounds import LONG_R, LONG_VOWELS, VOWELS, is_vo
 Sounds = tuple[str, ...]
 
 _SPELT: Final = MappingProxyType({
-    "a": "a ɑː ɔ ɛ ɛj", "å": "oː ɔ", "ä": "ɛː ɛ a eː", "ö": "øː œ", "e": "ɛ eː a ɛː ɪ iː œ øː",
+    "a": "a ɑː ɔ ɛ ɛj", "å": "oː ɔ", "ä": "ɛː ɛ a eː æ æː", "ö": "øː œ",
+    "e": "ɛ eː a ɛː ɪ iː œ øː æ",
     "é": "eː ɛ", "è": "ɛː ɛ eː", "à": "a ɑː", "ü": "yː ʏ", "i": "iː ɪ j a", "o": "uː ʊ oː ɔ a œ øː",
     "u": "ʉː ɵ v ʊ uː a œ ɪ", "y": "yː ʏ ɪ j iː a", "b": "b p", "c": "s k ɕ ɧ", "d": "d t",
     "f": "f v", "g": "ɡ j ɧ k ŋ", "h": "h", "j": "j ɧ ɕ", "k": "k ɕ ɡ", "l": "l", "m": "m",
-    "n": "n ŋ m", "p": "p b", "q": "k", "r": "r", "s": "s ɧ ɕ", "t": "t ɧ d s ɕ", "v": "v f",
+    "n": "n ŋ m", "p": "p b", "q": "k", "r": "r rː", "s": "s ɧ ɕ", "t": "t ɧ d s ɕ", "v": "v f",
     "w": "v", "x": "k s", "z": "s", "ç": "s", "ñ": "n",
 })  # fmt: skip
 """letter to the sounds that it may stand for in this lexicon"""
@@ -38,6 +39,9 @@ _RS: Final = ("r", LONG_R)
 _UNHEARD: Final = 0.3  # cost of a letter without a sound
 _UNSPELT: Final = 1.0  # cost of a sound without a letter
 _TOO_FAR: Final = 2.5  # cost from which an entry is of another word
+_TOO_FAR_SHORT: Final = 1.0  # the same for a short word that could be said: "ko" is not K.O.
+_SHORT: Final = 3  # letters
+_VOWEL_LETTERS: Final = frozenset("aeiouyåäö")
 
 
 def align(word: str, sounds: Sequence[str]) -> tuple[float, tuple[int | None, ...]]:
@@ -80,19 +84,20 @@ def mend(word: str, written: str) -> Sounds | None:
     if not sounds or any(plain(sound) not in VOWELS | _CONSONANTS for sound in sounds):
         return None
     cost, places = align(word, sounds)
-    if cost >= _TOO_FAR:
+    if cost >= (_TOO_FAR_SHORT if len(word) <= _SHORT and set(word) & _VOWEL_LETTERS else _TOO_FAR):
         return None
     return stressed(_with_r(word, sounds, places))
 
 
 def _infinitive(word: str, sounds: list[str]) -> list[str]:
     """The sounds of a verb as it is spelt, where the entry has those of its present tense."""
-    if word.endswith("a") and sounds[-1] == "r":
-        return [*(sounds[:-2] if sounds[-2] == "ɛ" else sounds), "a"]
-    if word[-1] in "eoåäöy" and sounds[-1] == "r":
+    before = plain(sounds[-2]) if len(sounds) > 1 else ""
+    if word.endswith("a") and sounds[-1] == "r" and before not in ("a", "ɑː"):
+        return [*(sounds[:-2] if before == "ɛ" else sounds), "a"]
+    if word[-1] in "aeiouyåäö" and sounds[-1] == "r":
         return sounds[:-1]
-    if word.endswith("as") and sounds[-1] == "s" and sounds[-2] != "a":
-        return [*(sounds[:-2] if sounds[-2] == "ɛ" else sounds[:-1]), "a", "s"]
+    if word.endswith("as") and sounds[-1] == "s" and before not in VOWELS:
+        return [*sounds[:-1], "a", "s"]
     return sounds
 
 
@@ -131,7 +136,7 @@ def stressed(sounds: Sequence[str]) -> Sounds:
         done[first] = "ˈ" + plain(done[first])
     main = next((index for index in vowels if done[index][0] == "ˈ"), len(done))
     for index in vowels:
-        if index > main and plain(done[index]) in LONG_VOWELS:
+        if index > main and (done[index][0] == "ˈ" or plain(done[index]) in LONG_VOWELS):
             done[index] = "ˌ" + plain(done[index])
     return tuple(done)
 

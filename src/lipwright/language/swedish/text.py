@@ -24,17 +24,18 @@ _SIGNS: Final = str.maketrans({
     **dict.fromkeys("‐‑‒–—―−﹣－", "-"), **dict.fromkeys("\xa0\u202f", " "),
     **dict.fromkeys("™®©", ""),
 })  # fmt: skip
-_RUN: Final = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)*|\d+(?:,\d+)?|[^\w\s]")
-_INITIALS: Final = re.compile(r"(?:[^\W\d_]\.)+[^\W\d_]")
+_KEPT: Final = "åäöéèüàÅÄÖÉÈÜÀ"
+_LETTER: Final = f"[A-Za-z{_KEPT}]"
+_RUN: Final = re.compile(rf"{_LETTER}+(?:'{_LETTER}+)*|\d+(?:,\d+)?|\S", re.ASCII)
+_INITIALS: Final = re.compile(rf"(?:{_LETTER}\.)+{_LETTER}")
 _ENDED: Final = re.compile(
-    r"(?P<letters>[^\W\d_]+):(?P<end>s|n|ns|en|ens|er|erna|ar|arna|t|et|a|na)"
+    rf"(?P<letters>{_LETTER}+):(?P<end>s|n|ns|en|ens|er|erna|ar|arna|t|et|a|na)"
 )
 _ADDRESS: Final = re.compile(
     r"(?:\w+://.+|[\w.+-]+@[\w.-]+\.\w+|(?:[\w-]+\.)+(?:se|nu|com|org|net|eu|io|tv)(?:[/:?#].*)?)",
     re.IGNORECASE,
 )
 _SCHEME: Final = re.compile(r"^\w+://")
-_KEPT: Final = "åäöéèüàÅÄÖÉÈÜÀ"
 _VOWELS: Final = frozenset("aeiouyåäöéèüà")
 _LONGEST: Final = 500  # characters of a token; web addresses are the longest that are said
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
@@ -145,7 +146,7 @@ class Reader:
         for words in (
             unit_words(before, bare),
             self._short(token, before),
-            read_amount(bare, before, after) if any(char.isdigit() for char in bare) else None,
+            read_amount(bare, before, after) if any(char.isdecimal() for char in bare) else None,
         ):
             if words is not None:
                 return words
@@ -169,7 +170,7 @@ class Reader:
     def _address(self, bare: str) -> list[str]:
         words: list[str] = []
         for run in _RUN.findall(_SCHEME.sub("", bare)):
-            if run[0].isdigit():
+            if run[0].isdecimal():
                 words += number(run)
             elif run == "www":
                 words += "www"
@@ -182,19 +183,19 @@ class Reader:
     def _runs(self, bare: str) -> list[str]:
         """The letters, numbers and signs of a token, each by itself."""
         words: list[str] = []
-        if "-" in bare and any(char.isdigit() for char in bare):  # "80-talet", "3-årig"
+        if "-" in bare and any(char.isdecimal() for char in bare):  # "80-talet", "3-årig"
             for part in bare.split("-"):
-                words += (read_amount(part) if part[:1].isdigit() else None) or self._runs(part)
+                words += (read_amount(part) if part[:1].isdecimal() else None) or self._runs(part)
             return words
         for run in _RUN.findall(bare):
-            if run[0].isdigit():
+            if run[0].isdecimal():
                 words += digits(run) if len(run) > 15 else number(run)
             elif run == "#":
                 words.append("hashtag")
+            elif run in tables.SYMBOLS:
+                words += tables.SYMBOLS[run].split()
             elif run[0].isalpha():
                 words += self._word(run)
-            else:
-                words += tables.SYMBOLS.get(run, "").split()
         return words
 
     def _word(self, run: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Words that the lexicon lacks, from words that it has: inflected, put together, or guessed."""
+"""Words that the lexicon lacks, from words that it has: inflected or put together."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from types import MappingProxyType
 from typing import Final
 
 from lipwright.language.swedish.assimilation import join
-from lipwright.language.swedish.letters import by_rule
 from lipwright.language.swedish.sounds import is_vowel
 
 Sounds = tuple[str, ...]
 Lookup = Callable[[str], tuple[Sounds, ...]]
 
 # Longest first; SAOL and Teleman, Hellberg and Andersson, "Svenska Akademiens grammatik" (1999).
-_ENDINGS: Final = MappingProxyType({
+ENDINGS: Final = MappingProxyType({
     "arnas": "a r n a s", "ornas": "ʊ r n a s", "ernas": "ɛ r n a s", "andes": "a n d ɛ s",
     "heten": "h ˌeː t ɛ n", "heter": "h ˌeː t ɛ r", "ningen": "n ɪ ŋ ɛ n", "ningar": "n ɪ ŋ a r",
     "arna": "a r n a", "orna": "ʊ r n a", "erna": "ɛ r n a", "aste": "a s t ɛ", "ades": "a d ɛ s",
@@ -39,7 +38,6 @@ _FIRST_PARTS: Final = MappingProxyType({
     "tv": "t ˈeː v ˌeː", "it": "ˈiː t ˌeː", "eu": "ˈeː ˌʉː", "fn": "ˈɛ f ˌɛ n", "cd": "s ˈeː d ˌeː",
 })  # fmt: skip
 """first parts that are short or are said in another way alone"""
-_UNSTRESSED: Final = frozenset(("be", "för"))
 _LAST_PARTS: Final = MappingProxyType({
     "lig": "l ɪ ɡ", "ligt": "l ɪ k t", "liga": "l ɪ ɡ a", "sam": "s a m", "samt": "s a m t",
     "samma": "s a m a", "bar": "b ˌɑː r", "bart": "b ˌɑː r t", "bara": "b ˌɑː r a", "dom": "d ʊ m",
@@ -51,17 +49,13 @@ _LAST_PARTS: Final = MappingProxyType({
     "tioner": "ɧ ˌuː n ɛ r",
 })  # fmt: skip
 """endings that are joined to a stem as the last part of a compound is"""
-_NEVER_PARTS: Final = frozenset((
-    "dig", "mig", "sig", "den", "det", "dem", "och", "att", "ett", "hon", "han", "var", "vad",
-    "din", "min", "sin", "där", "här", "nej", "när", "ska", "kan", "er", "ens", "men", "som",
-    "var", "ger", "tar", "ser", "ner",
-))  # fmt: skip
-"""words too short and frequent to be taken for parts of compounds"""
-_SHORTEST: Final = 3  # letters of a compound's part
-_FEWEST: Final = 3  # letters of a stem before an ending
-_KNOWN, _INFLECTED, _ENDED, _GUESSED, _LETTER, _SHORT = 1.0, 1.3, 0.7, 2.0, 0.35, 0.6
-"""costs of a part of a compound: of the lexicon, inflected, guessed and each of its letters, and
-what a part of three letters costs more"""
+_NEVER_PARTS: Final = frozenset(("erar", "erat", "erad", "tion", "inte", "eller"))
+"""words of the lexicon, or forms of them, that look like endings or are never parts of compounds"""
+_SHORTEST: Final = 4  # letters of a compound's part; docs/log.md
+_FEWEST: Final = 4  # letters of a stem before an ending
+_LONGEST: Final = 30  # letters of a compound's part
+_KNOWN, _INFLECTED, _ENDED, _LINK = 1.0, 1.3, 0.7, 0.1
+"""costs of a part of a compound: of the lexicon, inflected, an ending, and a linking s"""
 _DEPTH: Final = 3  # endings upon endings
 
 
@@ -69,7 +63,7 @@ def inflected(word: str, lookup: Lookup, depth: int = _DEPTH) -> tuple[Sounds, .
     """The ways to say an inflected form of a word that `lookup` has; none if there is no such."""
     if not depth:
         return ()
-    for ending, written in _ENDINGS.items():
+    for ending, written in ENDINGS.items():
         stem = word.removesuffix(ending)
         if stem == word or len(stem) < _FEWEST:
             continue
@@ -116,46 +110,37 @@ def _put(base: Sounds, tail: Sounds) -> Sounds:
 
 
 class Compounds:
-    """Words as parts, each known, inflected or guessed; the fewest and surest parts win."""
+    """Words as parts that are known; the fewest and surest parts win."""
 
-    def __init__(self, lookup: Lookup, guess: Callable[[str], Sounds] = by_rule) -> None:
-        """`lookup` knows words; `guess` says what is no word."""
+    def __init__(self, lookup: Lookup) -> None:
+        """`lookup` knows words."""
         self._lookup = lookup
-        self._guess = guess
         self._parts: dict[tuple[str, bool], tuple[float, Sounds] | None] = {}
 
-    def say(self, word: str) -> tuple[Sounds, bool]:
-        """The sounds of a word, and whether each of its parts is known."""
-        best: list[tuple[float, tuple[Sounds, ...], bool] | None] = [None] * (len(word) + 1)
-        best[0] = (0.0, (), True)
+    def say(self, word: str) -> Sounds | None:
+        """The sounds of a word whose parts are all known; None if they are not."""
+        best: list[tuple[float, tuple[Sounds, ...]] | None] = [None] * (len(word) + 1)
+        best[0] = (0.0, ())
         for end in range(1, len(word) + 1):
-            for start in range(end):
+            for start in range(max(0, end - _LONGEST), end):
                 before = best[start]
-                if before is None:
-                    continue
-                for cost, sounds, sure in self._ways(word[start:end], start, end == len(word)):
-                    total = before[0] + cost
-                    here = best[end]
+                part = before and self._part(word[start:end], start, end == len(word))
+                if before and part:
+                    total, here = before[0] + part[0], best[end]
                     if here is None or total < here[0]:
-                        best[end] = (total, (*before[1], sounds), before[2] and sure)
+                        best[end] = (total, (*before[1], part[1]))
         whole = best[-1]
-        assert whole is not None  # the word itself is a part
-        return join_parts(whole[1]), whole[2]
+        return join_parts(whole[1]) if whole else None
 
-    def _ways(self, part: str, start: int, is_last: bool) -> list[tuple[float, Sounds, bool]]:
-        """Costs, sounds and sureness of one part, which begins at `start`."""
+    def _part(self, part: str, start: int, is_last: bool) -> tuple[float, Sounds] | None:
+        """Cost and sounds of one part, which begins at `start`; None if it is not known."""
         if not start and not is_last and part in _FIRST_PARTS:
-            return [(_KNOWN, tuple(_FIRST_PARTS[part].split()), True)]
+            return _KNOWN, tuple(_FIRST_PARTS[part].split())
         if start and is_last and part in _LAST_PARTS:
-            return [(_ENDED, tuple(_LAST_PARTS[part].split()), True)]
+            return _ENDED, tuple(_LAST_PARTS[part].split())
         if len(part) >= _SHORTEST and part not in _NEVER_PARTS:
-            known = self._known(part, is_last)
-            if known is not None:
-                return [(*known, True)]
-        is_whole = not start and is_last
-        if is_whole or (len(part) > _SHORTEST and any(letter in "aeiouyåäö" for letter in part)):
-            return [(_GUESSED + _LETTER * len(part), self._guess(part), False)]
-        return []
+            return self._known(part, is_last)
+        return None
 
     def _known(self, part: str, is_last: bool) -> tuple[float, Sounds] | None:
         key = (part, is_last)
@@ -164,21 +149,24 @@ class Compounds:
         return self._parts[key]
 
     def _find(self, part: str, is_last: bool) -> tuple[float, Sounds] | None:
-        short = _SHORT if len(part) <= _SHORTEST else 0.0
-        if ways := self._lookup(part) or ([] if is_last else self._lookup(part + "-")):
-            return _KNOWN + short, ways[0]
-        if not is_last:
-            if part.endswith("s") and (ways := self._lookup(part[:-1])):
-                return _KNOWN + short + 0.1, join((ways[0], ("s",)))
-            # A first part loses its last vowel, or changes it: "flick-skola", "kyrko-herde".
-            for base in (part + "a", part + "e", part[:-1] + "a", part[:-1] + "e"):
-                if len(part) > _SHORTEST and (ways := self._lookup(base)):
-                    way = _without_vowel(ways[0])
-                    link = _LINKS.get(part[-1]) if len(base) == len(part) else ""
-                    if link is not None:
-                        return _INFLECTED + short, (*way, *link.split())
-        if len(part) > _SHORTEST and (ways := inflected(part, self._lookup)):
-            return _INFLECTED + (_SHORT if len(part) < 6 else 0.0), ways[0]
+        if ways := self._lookup(part) or (() if is_last else self._lookup(part + "-")):
+            return _KNOWN, ways[0]
+        if not is_last and (linked := self._linked(part)):
+            return linked
+        if ways := inflected(part, self._lookup):
+            return _INFLECTED, ways[0]
+        return None
+
+    def _linked(self, part: str) -> tuple[float, Sounds] | None:
+        """A first part with an s, without its last vowel, or with another: "kyrko-gård"."""
+        if part.endswith("s") and (ways := self._lookup(part[:-1])):
+            return _KNOWN + _LINK, join((ways[0], ("s",)))
+        if part.endswith("s") and (ways := self._lookup(part[:-1] + "e")):
+            return _INFLECTED, (*_without_vowel(ways[0]), "s")
+        for base in (part + "a", part + "e", part[:-1] + "a", part[:-1] + "e"):
+            link = _LINKS.get(part[-1]) if len(base) == len(part) else ""
+            if link is not None and (ways := self._lookup(base)):
+                return _INFLECTED, (*_without_vowel(ways[0]), *link.split())
         return None
 
 
