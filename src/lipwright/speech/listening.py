@@ -72,11 +72,11 @@ def listen(sound: Sound, language: str = "en", *, progress: Progress | None = No
     report(_READ)
     pieces = cut(level, speech_frames(level, FRAME_RATE) & True)
     spans = [(a / FRAME_RATE - _CONTEXT, b / FRAME_RATE + _CONTEXT) for a, b in pieces]
-    heard = recognise(sound, spans, lambda share: report(_READ + (1 - _READ) * share))
     placed: list[PlacedPhone] = []
     sure: list[float] = []
-    for (start, stop), (begin, _), rows in zip(pieces, spans, heard, strict=True):
-        first = max(begin, 0.0)
+    for (start, stop), (begin, end) in zip(pieces, spans, strict=True):
+        first, rows = max(begin, 0.0), recognise(sound, begin, end)
+        report(_READ + (1 - _READ) * stop / len(power))
         inside = [
             phone
             for phone in decode(rows)

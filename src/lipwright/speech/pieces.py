@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from lipwright.speech.features import FRAME_RATE
 
-_SHORTEST, _LONGEST = 2.0, 4.5  # s; the network's work grows with the square of the length
+_SHORTEST, _LONGEST = 4.0, 10.0  # s
 _SMOOTH: Final = 9  # frames over which the level is averaged: a pause, not the closure of a stop
 
 
