@@ -58,16 +58,11 @@ def with_and(words: list[str]) -> list[str]:
     found: list[str] = []
     for at, word in enumerate(words):
         behind = found[-1] if found else ""
-        starts = word in _BELOW_HUNDRED and not (words[at + 1 : at + 2] and words[at + 1] in _LARGE)
-        if starts and (behind == "hundred" or (behind in _LARGE and _is_last(words[at:]))):
+        last = not any(after in _LARGE for after in words[at + 1 : at + 3])
+        if word in _BELOW_HUNDRED and (behind == "hundred" or (behind in _LARGE and last)):
             found.append("and")
         found.append(word)
     return found
-
-
-def _is_last(words: list[str]) -> bool:
-    """Whether a number below a hundred is all that is left of a number."""
-    return not any(word in _LARGE for word in words[1:3])
 
 
 def _date(found: re.Match[str]) -> list[str]:

@@ -42,6 +42,7 @@ _VOWELS: Final = MappingProxyType(
         "ʌ": ("AH", "ʌ"),  # STRUT
         "ɜː": ("ER", "ɜː"),  # NURSE
         "ɜ": ("ER", "ɜː"),
+        "əː": ("ER", "ɜː"),  # the same, weak: ExpERt
         "ə": ("AX", "ə"),  # commA lettER; of NEAR ɪə and CURE ʊə as well
         "ᵊ": ("AX", "ə"),  # buttOn, which may be left out
         "A": ("EY", "eɪ"),  # FACE
