@@ -12,7 +12,7 @@ from lipwright.errors import LipwrightError
 from lipwright.language.base import Phoneme, Pronunciation, Source, SpokenWord
 from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.swedish.assimilation import RETROFLEX, assimilate, open_before_r
-from lipwright.language.swedish.common import WAYS
+from lipwright.language.swedish.frequent import WAYS
 from lipwright.language.swedish.guess import Field
 from lipwright.language.swedish.lexicon import Sounds, SwedishLexicon
 from lipwright.language.swedish.numbers import split_number
@@ -171,7 +171,10 @@ def _where_it_stands(row: Sequence[_Way], before: str, follows: str) -> tuple[Pr
             if other in RETROFLEX and sounds[-1] == "r" and len(sounds) > 1:
                 sounds = sounds[:-1]
             said.append(pronunciation(sounds, way.source))
-    return tuple(dict.fromkeys(said))
+    apart: dict[tuple[tuple[str, ...], ...], Pronunciation] = {}
+    for one_said in said:
+        apart.setdefault((one_said.phones, one_said.ipa), one_said)
+    return tuple(apart.values())
 
 
 def make(code: str) -> Swedish:

@@ -92,10 +92,13 @@ def mend(word: str, written: str) -> Sounds | None:
 def _infinitive(word: str, sounds: list[str]) -> list[str]:
     """The sounds of a verb as it is spelt, where the entry has those of its present tense."""
     before = plain(sounds[-2]) if len(sounds) > 1 else ""
-    if word.endswith("a") and sounds[-1] == "r" and before not in ("a", "ɑː"):
-        return [*(sounds[:-2] if before == "ɛ" else sounds), "a"]
-    if word[-1] in "aeiouyåäö" and sounds[-1] == "r":
-        return sounds[:-1]
+    if sounds[-1] == "r" and before in VOWELS:
+        if word.endswith("a") and before == "ɛ":
+            return [*sounds[:-2], "a"]
+        if word[-1] in "iouyåäö" or (word[-1] in "ae" and word[-2:-1] != "r"):
+            return sounds[:-1]
+    if word.endswith("a") and not is_vowel(sounds[-1]):
+        return [*(sounds[:-2] if sounds[-2:] == ["ɛ", "r"] else sounds), "a"]
     if word.endswith("as") and sounds[-1] == "s" and before not in VOWELS:
         return [*sounds[:-1], "a", "s"]
     return sounds

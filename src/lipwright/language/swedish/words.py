@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from lipwright.language.swedish.assimilation import join
-from lipwright.language.swedish.sounds import is_vowel
+from lipwright.language.swedish.sounds import SHORT_OF, is_vowel, plain
 
 Sounds = tuple[str, ...]
 Lookup = Callable[[str], tuple[Sounds, ...]]
@@ -104,6 +104,9 @@ def _without_e(way: Sounds) -> Sounds:
 
 
 def _put(base: Sounds, tail: Sounds) -> Sounds:
+    if base[-2:] == ("ʊ", "r") and tail[:2] == ("ɛ", "r"):  # "doktor" but "doktorer"
+        start = tuple(SHORT_OF.get(plain(sound), plain(sound)) for sound in base[:-2])
+        return (*start, "ˈuː", "r", *tail)
     if base[-1:] == ("ɡ",) and tail[0] == "t":
         base = (*base[:-1], "k")
     return join((base, tail))
