@@ -24,8 +24,8 @@ from lipwright.speech.voices.timeline import (
 
 RATE: Final = 24000  # Hz
 FRAME: Final = 600  # samples: two steps of `hibari.dsp.HOP`, one unit of the durations; 25 ms
-LAG: Final = 0.050  # s, median lateness of edges inside words, bench/voice_lags.py
-MARK: Final = 1  # frames of a stress mark that still belong to the consonant before it; as LAG
+LAG: Final = 0.055  # s; without it edges come 52 ms late by the aligner, 58 ms by the sound
+MARK: Final = 1  # frames of a stress mark that the consonant before it has, but for b d g; as LAG
 CLOSURE: Final = 0.050  # s that lips or tongue are shut before the first burst of a line
 QUIET: Final = 35.0  # dB under the loud parts: silence, at pauses
 LOUD: Final = 95  # percentile of the level that counts as loud
@@ -48,9 +48,9 @@ def time_line(
     at = np.concatenate([[0.0], np.cumsum(frames)]) * FRAME / RATE - LAG  # s, of letter i at i + 1
     starts = np.array([at[sound.first + 1] for sound in sounds])
     stops = np.array([at[sound.stop + 1] for sound in sounds])
-    marked = [place for place, sound in enumerate(sounds) if letters[sound.first] in STRESS]
-    of_mark = frames[[sounds[place].first + 1 for place in marked]]
-    starts[marked] += np.minimum(of_mark, MARK) * FRAME / RATE
+    for place, sound in enumerate(sounds):
+        if letters[sound.first] in STRESS and place and not _is_voiced_stop(sounds[place - 1]):
+            starts[place] += min(frames[sound.first + 1], MARK) * FRAME / RATE
     quiet = _quiet(samples)
     phones: list[Sound | None] = []
     edges = [_first(starts[0], sounds[0].phone, quiet)]
@@ -75,6 +75,11 @@ def time_line(
         for phone, start in zip(phones, found[:-1], strict=True)
     )  # fmt: skip
     return samples[:first], Stretch(samples[first:last], timed, ()), samples[last:]
+
+
+def _is_voiced_stop(sound: Sound) -> bool:
+    phone = PHONES[sound.phone]
+    return phone.manner == "stop" and phone.voiced
 
 
 def _quiet(samples: Samples) -> npt.NDArray[np.float64]:

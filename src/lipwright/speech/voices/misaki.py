@@ -29,7 +29,7 @@ _ROWS: Final[tuple[tuple[str, str, str], ...]] = (
     ("ᵻ", "IX", "boxEs"), ("ʊ", "UH", "bOOk"), ("ʌ", "AH", "cUt"),
     ("p", "P", "Put"), ("b", "B", "Big"), ("t", "T", "Talk"), ("d", "D", "Dig"),
     ("k", "K", "Cut"), ("ɡ", "G", "Gut"), ("ʔ", "Q", "uh-oh (the catch)"), ("T", "DX", "buTTer"),
-    ("ʧ", "CH", "CHin"), ("ʤ", "JH", "Joy"), ("f", "F", "Fork"),
+    ("ɾ", "DX", "buTTer"), ("ʧ", "CH", "CHin"), ("ʤ", "JH", "Joy"), ("f", "F", "Fork"),
     ("v", "V", "Vat"), ("θ", "TH", "THin"), ("ð", "DH", "THen"), ("s", "S", "Sit"),
     ("z", "Z", "Zap"), ("ʃ", "SH", "SHe"), ("ʒ", "ZH", "pleaSure"), ("h", "HH", "Help"),
     ("m", "M", "Mat"), ("n", "N", "No"), ("ŋ", "NG", "siNG"),
