@@ -26,6 +26,7 @@ LANGUAGES: Final = MappingProxyType({
     "en-gb": "lipwright.language.english.british",
     "sv": "lipwright.language.swedish",
     "cmn": "lipwright.language.mandarin",
+    "ja": "lipwright.language.japanese",
     **dict.fromkeys(("de", "es", "fr", "it", "nl", "pt"), "lipwright.language.tabled"),
 })  # fmt: skip
 """code to the module that makes the language, by its function `make(code) -> Language`"""
