@@ -176,7 +176,7 @@ def test_ties_part_nothing_that_was_one(word: str) -> None:
         ("vi", "tʃiɜntʃˈam", "CH IY N CH AA M"),
         ("en-us", "bˈɜːd", "B ER D"),
         ("en-gb", "(en)hˈəʊl(sv)", "HH OW L"), ("sv", "sx|ˈɛː|l", "XH EH L"),
-        ("ja", "fˈɯᵝ", "F IX"), ("yue", "s|ˈaa|7|m", "S AA M"), ("th", "t_h|a", "T AA"),
+        ("ja", "fˈɯᵝ", "F IX"), ("yue", "s|ˈaa|7|m", "S AA M"), ("th", "t_h|a", "T AA"), ("th", "k|h|ˈa", "K AA"),
         ("ky", "ˈonbeS", "AO N B EH SH"), ("is", "tˈoʊl#f", "T OW L F"), ("da", "ˈ?a", "AA"),
         ("ta", "nʲˌeːɻʉ", "N EH XZ UX"), ("es", "nˈweβe", "N W EH V EH"),
         ("en-us", "bˈɑːɾəl", "B AA DX AX L"),

@@ -23,6 +23,8 @@ _TONAL: Final = frozenset({"cmn", "yue", "hak", "th", "shn", "my", "vi"})
 _ASPIRATES: Final = frozenset({"cmn", "yue", "hak", "th", "shn", "my", "ko", "or", "tn"})
 _TONE_3: Final = re.compile("ɜ(?!ː)")  # the vowel of English "bird" is always long here
 _ASPIRATION: Final = re.compile("(?<=[ptkscʂɕ])_?h")
+# Thai and Shan write the mnemonic "k_h", which a separator may part.
+_PARTED: Final = re.compile(f"(?<=[ptk]){re.escape(SEPARATOR)}h")
 
 # Left-overs of mnemonics, in any language.
 _EVERYWHERE: Final = (
@@ -77,6 +79,7 @@ def read_espeak(text: str, language: str = "") -> tuple[Sound, ...]:
         LipwrightError: a letter that is not of the IPA.
     """
     base = language.casefold().partition("-")[0]
+    text = _PARTED.sub("ʰ", text) if base in ("th", "shn") else text
     return tuple(
         sound for token in _SPLIT.split(text) if token for sound in read_ipa(_plain(token, base))
     )
