@@ -49,7 +49,8 @@ WORDS = [
     ("city", "s ɪ t i", "S IH T IY"), ("car", "k ɑː", "K AA"), ("four", "f ɔː", "F AO"),
     ("hair", "h ɛː", "HH EH"), ("here", "h ɪ ə", "HH IH AX"), ("bird", "b ɜː d", "B ER D"),
     ("very", "v ɛ ɹ i", "V EH R IY"), ("hurry", "h ʌ ɹ i", "HH AH R IY"),
-    ("fire", "f aɪ ə", "F AY AX"), ("power", "p aʊ ə", "P AW AX"), ("idea", "aɪ d ɪ ə", "AY D IH AX"),
+    ("fire", "f aɪ ə", "F AY AX"), ("power", "p aʊ ə", "P AW AX"),
+    ("idea", "aɪ d ɪ ə", "AY D IH AX"),
     # y behind t, d, n
     ("new", "n j uː", "N Y UW"), ("tune", "t j uː n", "T Y UW N"), ("due", "d j uː", "D Y UW"),
     # words by themselves

@@ -249,6 +249,16 @@ SENTENCES = [
     ("他把钱还给了我，我还没睡着呢。", "tā bǎ qián huán gěi le wǒ wǒ hái méi shuì zháo ne"),
     ("請問，銀行怎麼走？我看著你。", "qǐng wèn yín háng zěn me zǒu wǒ kàn zhe nǐ"),
     ("小王在银行工作，行不行？", "xiǎo wáng zài yín háng gōng zuò xíng bu xíng"),
+    ("我还了信用卡，这件事情得马上处理，明天得参加会议。",
+     "wǒ huán le xìn yòng kǎ zhè jiàn shì qing děi mǎ shàng chǔ lǐ míng tiān děi cān jiā huì yì"),
+    ("我调了一下音量，屏幕上出现了一行字。",
+     "wǒ tiáo le yí xià yīn liàng píng mù shàng chū xiàn le yì háng zì"),
+    ("他长得很高，是我们公司的董事长。",
+     "tā zhǎng de hěn gāo shì wǒ men gōng sī de dǒng shì zhǎng"),
+    ("孩子们高兴地跳着舞，模型的准确率提高了。",
+     "hái zi men gāo xìng de tiào zhe wǔ mó xíng de zhǔn què lǜ tí gāo le"),
+    ("臺灣的銀行還沒有開門，她的頭髮長得很長。",
+     "tái wān de yín háng hái méi yǒu kāi mén tā de tóu fa zhǎng de hěn cháng"),
     ("地上有一个角，重新来。", "dì shàng yǒu yí ge jiǎo chóng xīn lái"),
 ]  # fmt: skip
 
@@ -273,7 +283,7 @@ NUMBERS = [
     ("-5℃ 100㎡", "零下 五 摄氏度 一百 平方米"), ("5-10个", "五 到 十 个"),
     ("13812345678", "幺 三 八 幺 二 三 四 五 六 七 八"),
     ("拨打110", "拨 打 幺 幺 零"), ("010-12345678", "零 幺 零 幺 二 三 四 五 六 七 八"),
-    ("1.2.3", "一 点 二 点 三"), ("A4纸 MP3 5G", "a 四 纸 m p 三 五 g"),
+    ("1.2.3", "一 点 二 点 三"), ("A4纸 MP3 5G AI", "a 四 纸 m p 三 五 g a i"),
     ("R&B A+B=C", "r and b a 加 b 等于 c"),
 ]  # fmt: skip
 
@@ -312,10 +322,10 @@ class TestCharacters:
         assert number_of(cardinal(number)) == number
 
     def test_words_stay_in_characters_and_know_where_they_stand(self) -> None:
-        words = CMN.normalize("“你好”，中国！\n 2个nǐhǎo，OK")
+        words = CMN.normalize("“你好”，中国！\n 2个nǐhǎo，Bye")
         assert [(w.text, w.written, w.line, w.column) for w in words] == [
             ("你好", "你好”，", 1, 2), ("中国", "中国！", 1, 6), ("两", "2", 2, 2),
-            ("个", "个", 2, 3), ("nǐhǎo", "nǐhǎo，", 2, 4), ("ok", "OK", 2, 10),
+            ("个", "个", 2, 3), ("nǐhǎo", "nǐhǎo，", 2, 4), ("bye", "Bye", 2, 10),
         ]  # fmt: skip
 
     def test_words_end_where_fewest_characters_stand_alone(self) -> None:

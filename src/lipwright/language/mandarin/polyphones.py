@@ -22,7 +22,7 @@ POLYPHONES: Final = MappingProxyType({
     # verbs, nouns and adjectives
     "长": "chang zhang", "行": "xing hang", "重": "zhong chong", "乐": "le yue", "觉": "jue jiao",
     "角": "jiao jue", "率": "lü shuai", "朝": "chao zhao", "传": "chuan zhuan", "弹": "tan dan",
-    "调": "diao tiao", "降": "jiang xiang", "藏": "cang zang", "曾": "ceng zeng",
+    "调": "tiao diao", "降": "jiang xiang", "藏": "cang zang", "曾": "ceng zeng",
     "单": "dan shan chan", "差": "cha chai ci", "参": "can shen cen",
     "会": "hui kuai", "系": "xi ji", "校": "xiao jiao", "血": "xie xue", "模": "mo mu",
     "薄": "bao bo", "剥": "bo bao", "壳": "ke qiao", "折": "zhe she",
@@ -64,13 +64,14 @@ CONTEXTS: Final = tuple(
     (char, re.compile(f"(?:{before})$"), re.compile(after), reading)
     for char, before, after, reading in (
         # must: after a subject or an adverb, before a verb
-        ("得", "[我你您他她它咱们人家总非还就都也必只可又]",
-         f"[{_VERBS}]|好好|赶紧|马上|注意|小心", "dei"),
+        ("得", "[我你您他她它咱们人家总非还就都也必只可又]", f"[{_VERBS}]", "dei"),
+        ("得", "", "马上|赶紧|赶快|好好|注意|小心|尽快|立刻", "dei"),
+        ("得", "[今明后每]天|晚上|现在|以后|之后|情", "[^到了很好快太不多]", "dei"),
         # -ly: after a repeated or a longer word, before what is done
         ("地", "(.)\\1|[^\\s这那本该各此某异当土]{2}",
          "[^\\W\\da-zA-Z上下里面板图点区位球铁主址狱带块毯方道的了是在]", "de"),
         # give back
-        ("还", "", "(?:给|钱|书|债|款|清|账|贷|我[钱书]|你[钱书]|他[钱书])", "huan"),
+        ("还", "", "(?:了|给|钱|书|债|款|清|账|贷|我[钱书]|你[钱书]|他[钱书])", "huan"),
         ("还", "[要来去已归偿]", "(?:了|$|\\W)", "huan"),
         # can and cannot, finish
         ("了", "[^\\s][不]|[^\\s][做吃受免办管少去走来]得", "", "liao"),
@@ -120,7 +121,8 @@ CONTEXTS: Final = tuple(
 
 PHRASES: Final = MappingProxyType({
     "大夫": "dai fu", "长江大桥": "chang jiang da qiao", "银行长": "yin hang zhang",
-    "重置": "chong zhi", "重做": "chong zuo", "长大后": "zhang da hou",
+    "一行": "yi hang", "三行": "san hang", "重置": "chong zhi", "重做": "chong zuo",
+    "长大后": "zhang da hou",
 })  # fmt: skip
 """words that the lexicon lacks, or that it reads as old books do"""
 

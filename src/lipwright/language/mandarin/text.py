@@ -31,6 +31,7 @@ _BETWEEN_DIGITS: Final = re.compile(r"(?<=\d)：(?=\d)")
 _WIDE_SIGNS: Final = str.maketrans({
     **dict.fromkeys("‐‑‒−﹣－", "-"), **dict.fromkeys("〜～∼", "~"), "⁄": "/", "￥": "¥",
 })  # fmt: skip
+_INITIALS: Final = 3  # letters, capitals that are said one by one: AI, KTV, OK
 _LONGEST: Final = 500  # characters of a token of pinyin or Latin letters
 
 
@@ -172,6 +173,8 @@ class Reader:
                 pass
             else:
                 return [word_key(plain)]
+        if plain.isupper() and plain.isalpha() and plain.isascii() and len(plain) <= _INITIALS:
+            return list(plain.lower())
         words: list[str] = []
         for part in re.findall(r"\d+(?:\.\d+)?|\D+", plain):
             amount = read_amount(part, 0)
