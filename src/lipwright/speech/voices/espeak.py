@@ -14,6 +14,7 @@ from lipwright.phones import BILABIALS, SILENCE
 from lipwright.speech.voices.espeak_phones import phoneme_input
 from lipwright.speech.voices.espeak_text import (
     MANDARIN,
+    UNSPACED,
     SaidText,
     mandarin_text,
     one_word,
@@ -36,7 +37,12 @@ RATE: Final = 22_050  # Hz, of every voice of espeak-ng
 _ISO: Final = MappingProxyType({
     "en-us": "en", "fr-fr": "fr", "cmn-latn-pinyin": "cmn", "nb": "no",
 })  # fmt: skip
-_MOST_AT_ONCE: Final = 1000  # characters of a request: 10 times a second of progress
+# espeak-ng drops the end of longer clauses and words; of Japanese ones behind 66 characters.
+_MOST_AT_ONCE: Final = 500  # characters of a clause; Mandarin ends at 150 syllables, 600 characters
+_MOST_UNSPACED: Final = 120  # the same of scripts without spaces; 199 of Chinese are said
+_LONG_WORD: Final = re.compile(r"\S{80}(?=\S)")
+_LONG_RUN: Final = re.compile(r"[^\s。！？，；：、]{30}(?=[^\s。！？，；：、])")
+_ENOUGH: Final = 250  # characters; short sentences are said together
 _SENTENCE_END: Final = re.compile(r"(?<=[.!?…])\s+|(?<=[。！？])|\n\s*\n")
 _CLAUSE_END: Final = ".!?…:;,。！？，；：、"
 _PLACES_TO_CUT: Final = (_CLAUSE_END, " \n\t")
@@ -194,7 +200,8 @@ def _parts(piece: Piece) -> Iterator[tuple[str, bool]]:
     parts: list[str] = []
     for sentence in _SENTENCE_END.split(piece.text):
         for part in _cut(sentence):
-            if parts and len(parts[-1]) + len(part) < _MOST_AT_ONCE // 4:
+            enough = _MOST_UNSPACED if UNSPACED.search(part) else _ENOUGH
+            if parts and len(parts[-1]) + len(part) < enough:
                 parts[-1] += " " + part
             elif part.strip():
                 parts.append(part)
@@ -203,11 +210,14 @@ def _parts(piece: Piece) -> Iterator[tuple[str, bool]]:
 
 
 def _cut(sentence: str) -> Iterator[str]:
-    """A sentence, in pieces if it is too long for one request."""
-    while len(sentence) > _MOST_AT_ONCE:
-        head = sentence[:_MOST_AT_ONCE]
+    """A sentence in pieces of which espeak-ng says all, cut at punctuation or spaces if it can."""
+    unspaced = UNSPACED.search(sentence) is not None
+    most = _MOST_UNSPACED if unspaced else _MOST_AT_ONCE
+    sentence = (_LONG_RUN if unspaced else _LONG_WORD).sub(r"\g<0> ", sentence)
+    while len(sentence) > most:
+        head = sentence[:most]
         places = (max(map(head.rfind, marks)) for marks in _PLACES_TO_CUT)
-        place = next((place for place in places if place > 0), _MOST_AT_ONCE - 1) + 1
+        place = next((place for place in places if place > 0), most - 1) + 1
         yield sentence[:place]
         sentence = sentence[place:]
     yield sentence

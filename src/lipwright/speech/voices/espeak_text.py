@@ -15,7 +15,7 @@ MANDARIN: Final = "cmn-latn-pinyin"
 """the voice that reads pinyin; it reads other Latin letters as English"""
 _TOKEN: Final = re.compile(r"\S+")
 # Scripts without spaces, whose words only espeak-ng can tell apart.
-_UNSPACED: Final = re.compile("[\u0e00-\u0eff\u1000-\u109f\u1780-\u17ff\u2e80-\ua4cf\uf900-\ufaff]")
+UNSPACED: Final = re.compile("[\u0e00-\u0eff\u1000-\u109f\u1780-\u17ff\u2e80-\ua4cf\uf900-\ufaff]")
 _HANZI: Final = re.compile("[\u3007\u3400-\u4dbf\u4e00-\u9fff\uf900-\ufaff\U00020000-\U0003ffff]+")
 _LATIN: Final = re.compile(r"[^\W_\u3007\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff]+")
 _TONES: Final = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}  # marks of pinyin
@@ -49,7 +49,7 @@ def plain_text(text: str) -> SaidText:
     spans: list[Span] = []
     words: list[str] = []
     for found in _TOKEN.finditer(text):
-        if _UNSPACED.search(found[0]):
+        if UNSPACED.search(found[0]):
             spans.append(Span(found.start(), found.end(), -1))
         else:
             spans.append(Span(found.start(), found.end(), len(words)))
@@ -99,7 +99,8 @@ def _mandarin_words(text: str) -> tuple[list[str], list[int]]:
     words: list[str] = []
     owners = [0] * len(text)
     starts = sorted(dict(begins).items())
-    for (start, written), (stop, _) in zip(starts, [*starts[1:], (len(text), "")], strict=True):
+    stops = [*(start for start, _ in starts), len(text)][1:]
+    for (start, written), stop in zip(starts, stops, strict=False):
         owners[start:stop] = [len(words)] * (stop - start)
         words.append(bare_word(written))
     return words or ["?"], owners

@@ -4,19 +4,20 @@ espeak-ng tells the start of a sound to the sample, but the silence that it make
 them comes before their event (`Generate` in synthesize.c: `prepause`). For a voiceless stop that
 silence, 39 or 49 ms at the usual rate, is its closure, and its event is the burst. A voiced stop
 behind a vowel and a nasal are told where they close. So a stop begins where the silence before its
-event does; bench/espeak_lags.py measures what is left.
+event does; bench/voice_lags.py measures what is left.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from lipwright.errors import LipwrightError
-from lipwright.espeak import Speech
+from lipwright.espeak import Speech, words_to_ipa
 from lipwright.language.ipa import Sound, read_ipa
 from lipwright.phones import PHONES, SILENCE
 from lipwright.speech.voices.espeak_text import SaidText, bare_word
@@ -63,7 +64,8 @@ def to_stretch(speech: Speech, text: SaidText, code: str) -> Stretch:
         timed += share_time(sounds, start, stop, word)
     if code.startswith("cmn"):
         timed = _once(timed)
-    return Stretch(speech.samples, tuple(_without_gaps(timed, heard)), tuple(words))
+    timed = _parted(_without_gaps(timed, heard), text, code)
+    return Stretch(speech.samples, tuple(timed), tuple(words))
 
 
 class _Heard:
@@ -157,12 +159,29 @@ def _without_gaps(timed: Sequence[Timed], heard: _Heard) -> list[Timed]:
     return kept
 
 
+def _parted(timed: list[Timed], text: SaidText, code: str) -> list[Timed]:
+    """The words that espeak-ng says as one, such as "on the", each with its own phones."""
+    said = {one.word for one in timed if one.word is not None}
+    last = len(text.words)
+    for word in sorted(said):
+        following = next((other for other in range(word + 1, last) if other in said), last)
+        if following == word + 1 or word >= last:
+            continue
+        counts = [len(_sounds(ipa)) for ipa in words_to_ipa(text.words[word:following], code)]
+        places = [index for index, one in enumerate(timed) if one.word == word]
+        owners = [word + number for number, count in enumerate(counts) for _ in range(count)]
+        if len(owners) == len(places):  # else they change each other, and stay together
+            for place, owner in zip(places, owners, strict=True):
+                timed[place] = replace(timed[place], word=owner)
+    return timed
+
+
 def _words(speech: Speech, text: SaidText) -> tuple[list[str], dict[int, int]]:
     """The words as written, and which one the sounds of each position belong to."""
     words = list(text.words)
     owner: dict[int, int] = {}
-    nexts = [*(event.position for event in speech.words[1:]), len(text.text)]
-    for event, following in zip(speech.words, nexts, strict=True):
+    nexts = [*(event.position for event in speech.words), len(text.text)][1:]
+    for event, following in zip(speech.words, nexts, strict=False):
         around = [span for span in text.spans if span.start <= event.position]
         if not around:
             continue
