@@ -112,6 +112,12 @@ def test_narrow_transcriptions_are_read(written: str, phones: str) -> None:
     assert _phones(written) == phones
 
 
+def test_letters_of_english_transcribers_are_their_own() -> None:
+    assert [sound.phone for sound in read_ipa("rat", "en-GB")] == ["R", "AE", "T"]
+    assert [sound.phone for sound in read_ipa("raɪt", "en")] == ["R", "AY", "T"]
+    assert [sound.phone for sound in read_ipa("rat", "es")] == ["XR", "AA", "T"]
+
+
 def test_sounds_keep_marks_and_length_and_stress_is_on_vowels() -> None:
     assert read_ipa("ˈnʲiːtˌa") == (
         Sound("nʲ", "N"),

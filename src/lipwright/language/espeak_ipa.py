@@ -81,7 +81,10 @@ def read_espeak(text: str, language: str = "") -> tuple[Sound, ...]:
     base = language.casefold().partition("-")[0]
     text = _PARTED.sub("ʰ", text) if base in ("th", "shn") else text
     return tuple(
-        sound for token in _SPLIT.split(text) if token for sound in read_ipa(_plain(token, base))
+        sound
+        for token in _SPLIT.split(text)
+        if token
+        for sound in read_ipa(_plain(token, base), base)
     )
 
 

@@ -6,13 +6,14 @@ letters that dictionaries and espeak-ng write beside it. Only sounds at which bo
 P, B or M. Diacritics, tones and lengths do not change the phone, unless `_MARKED` says so.
 
 Where the table of a track file's labels (`phones.parse_phone`) differs, it reads English: there
-"r" is the R of "red", here it is the trill.
+"r" is the R of "red", here it is the trill, unless the language is said to be English.
 """
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
@@ -83,6 +84,11 @@ _PAIRS: Final = MappingProxyType({
 })
 # fmt: on
 
+# Letters that the transcribers of a language use for another sound: Red, cAt (of late).
+_BY_LANGUAGE: Final = MappingProxyType({
+    "en": MappingProxyType({"r": "R", "a": "AE"}),
+})  # fmt: skip
+
 _STRESS: Final = MappingProxyType({"ˈ": 1, "ˌ": 2})
 _TIES: Final = "\N{COMBINING DOUBLE INVERTED BREVE}\N{COMBINING DOUBLE BREVE BELOW}"
 _LENGTHS: Final = "ːˑ:"  # kept in `Sound.ipa`, as it is a part of many phonemes
@@ -130,16 +136,22 @@ class _Letter:
     """raised letters that are sounds"""
 
 
-def read_ipa(text: str) -> tuple[Sound, ...]:
+def read_ipa(text: str, language: str = "") -> tuple[Sound, ...]:
     """The sounds of IPA of any language, one for each phone of the table.
 
     Diphthongs and affricates of the table are one sound with or without a tie; others are two.
     White space and punctuation only part sounds. Language switches of espeak-ng are left out.
 
+    Args:
+        text: IPA.
+        language: the code of the language if it is known, as "r" is another sound in English.
+
     Raises:
         LipwrightError: a letter that is not of the IPA; names it and its place.
     """
-    return _sounds(_letters(text))
+    base = language.partition("-")[0].casefold()
+    table = {**PHONE_OF, **_BY_LANGUAGE[base]} if base in _BY_LANGUAGE else PHONE_OF
+    return _sounds(_letters(text), table)
 
 
 def phone_of(letter: str) -> str:
@@ -210,7 +222,7 @@ def _put(char: str, letter: _Letter) -> None:
         letter.written += char
 
 
-def _sounds(letters: list[_Letter]) -> tuple[Sound, ...]:
+def _sounds(letters: list[_Letter], table: Mapping[str, str]) -> tuple[Sound, ...]:
     """The phones of letters; two that are one phone become one."""
     sounds: list[Sound] = []
     at, pending = 0, None
@@ -219,9 +231,7 @@ def _sounds(letters: list[_Letter]) -> tuple[Sound, ...]:
         pending = letter.stress or pending
         phone = _pair(letter, letters[at + 1]) if at + 1 < len(letters) else ""
         one = letters[at : at + 2] if phone else [letter]
-        phone = (
-            phone or _MARKED.get(letter.base) or _ALONE.get(letter.base) or PHONE_OF[letter.base]
-        )
+        phone = phone or _MARKED.get(letter.base) or _ALONE.get(letter.base) or table[letter.base]
         carries = PHONES[phone].is_vowel or any(_SYLLABIC in part.written for part in one)
         written = "".join(part.written for part in one)
         sounds.append(Sound(written, phone, pending if carries else None))
