@@ -96,7 +96,7 @@ class _Heard:
         earliest = self.start(index - 1) if index else 0
         shut = max(silent, earliest)
         if after_pause:
-            shut = min(shut, event - round(CLOSURE * self.rate))
+            shut = min(shut, max(silent, event - round(CLOSURE * self.rate)))
         return max(shut, 0)
 
 
