@@ -13,7 +13,7 @@ import pytest
 from lipwright.errors import LipwrightError
 from lipwright.phones import BILABIALS, PHONES, SILENCE
 from lipwright.speech.voices import Piece, Utterance, Voice, find_voice, get_back_end, read_script
-from lipwright.speech.voices.hibari_times import LAG, time_line
+from lipwright.speech.voices.hibari_times import LAG, MARK, time_line
 from lipwright.speech.voices.misaki import LETTERS_OF, PHONE_OF, read_sounds, write_phones
 from lipwright.speech.voices.onnx_outputs import input_of, with_output
 from lipwright.track import PhoneTrack
@@ -290,7 +290,7 @@ def test_edges_are_the_frames_less_the_lag() -> None:
     head, speech, tail = time_line(letters, tuple(read_sounds(letters)), frames, noise)
     starts = np.array([phone.start for phone in speech.phones]) / rate
     assert len(head) / rate == pytest.approx(0.250 - LAG, abs=0.006)
-    assert starts == pytest.approx([0.0, 0.1, 0.3, 0.4], abs=0.006)
+    assert starts == pytest.approx([0.0, 0.1 + MARK, 0.3, 0.4], abs=0.006)
     assert len(tail) / rate == pytest.approx(6 * 0.025 + LAG, abs=0.006)
     assert len(head) + len(speech.samples) + len(tail) == len(noise)
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import base64
 import io
 import json
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -402,3 +405,21 @@ def test_any_answer_is_a_track_or_one_clear_line(answer: dict[str, Any]) -> None
         refused = str(error)
     assert "\n" not in refused
     assert track is None or track.edges[-1] == SECONDS
+
+
+def test_the_example_server_is_a_voice() -> None:
+    program = Path(__file__).parents[1] / "examples" / "http_voice_server.py"
+    command = [sys.executable, str(program), "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            voice = find_voice(server.stdout.readline().strip(), "en")
+            said = voice.speak((Piece("Maybe", pause=0.5), Piece("Pam", ("P", "AE", "M"))))
+            with pytest.raises(LipwrightError, match=r"422.*the request: line 1, column 1"):
+                voice.speak((Piece("привет"),))
+        finally:
+            server.terminate()
+    assert said.timing == "voice"
+    assert said.track.phones == ("sil", "M", "EY", "B", "IY", "sil", "P", "AE", "M", "sil")
+    assert [word.text for word in said.track.words] == ["maybe", "Pam"]
+    assert said.track.edges[6] - said.track.edges[5] == pytest.approx(0.5, abs=1e-4)

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
@@ -200,6 +200,13 @@ def _bridge(tail: Samples, head: Samples, pause: float | None, at_end: bool) -> 
     return Stretch(np.concatenate([tail, between, head]), (Timed(SILENCE, 0),), ())
 
 
+@lru_cache(maxsize=2)
+def _ready(info: VoiceInfo, model: Path, british: bool, changed: float) -> HibariVoice:
+    """A voice, kept for the next text: it takes longer to open than to say a sentence."""
+    del changed
+    return HibariVoice(info, model, british)
+
+
 class HibariBackEnd:
     """The voices of hibari: one in its package, and those that its user has fetched with it."""
 
@@ -236,7 +243,7 @@ class HibariBackEnd:
         path = self._path(voice) if voice in table else None
         if path is None:
             raise LipwrightError(self._refusal(voice, known))
-        return HibariVoice(self._info(voice), path, bool(table[voice]["british"]))
+        return _ready(self._info(voice), path, bool(table[voice]["british"]), path.stat().st_mtime)
 
     def _refusal(self, voice: str, known: Sequence[VoiceInfo]) -> str:
         here = ", ".join(info.name for info in known)

@@ -24,8 +24,8 @@ from lipwright.speech.voices.timeline import (
 
 RATE: Final = 24000  # Hz
 FRAME: Final = 600  # samples: two steps of `hibari.dsp.HOP`, one unit of the durations; 25 ms
-LAG: Final = 0.055  # s; without it edges come 52 ms late by the aligner, 58 ms by the sound
-MARK: Final = 1  # frames of a stress mark that the consonant before it has, but for b d g; as LAG
+LAG: Final = 0.055  # s; without it edges come 50 ms late by the aligner, 54 ms by the sound
+MARK: Final = 0.0125  # s of a stress mark that the consonant before has, but for b d g; as LAG
 CLOSURE: Final = 0.050  # s that lips or tongue are shut before the first burst of a line
 QUIET: Final = 35.0  # dB under the loud parts: silence, at pauses
 LOUD: Final = 95  # percentile of the level that counts as loud
@@ -50,7 +50,8 @@ def time_line(
     stops = np.array([at[sound.stop + 1] for sound in sounds])
     for place, sound in enumerate(sounds):
         if letters[sound.first] in STRESS and place and not _is_voiced_stop(sounds[place - 1]):
-            starts[place] += min(frames[sound.first + 1], MARK) * FRAME / RATE
+            starts[place] += MARK
+            stops[place - 1] += MARK
     quiet = _quiet(samples)
     phones: list[Sound | None] = []
     edges = [_first(starts[0], sounds[0].phone, quiet)]
