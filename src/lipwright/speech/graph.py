@@ -20,7 +20,8 @@ from lipwright.speech.acoustic import NOISE, PAUSE, AcousticModel, Position
 Ints = npt.NDArray[np.int32]
 
 Pronunciations = Sequence[Sequence[str]]
-"""the ways to say one word, each a row of the model's phones"""
+"""the ways to say one word, each a row of the model's phones; "IY|IH" is whichever of these fits
+each frame best, beside neighbours that meet the first"""
 
 FILLER_WORD: Final = -1
 ANY_SPEECH: Final = -1
@@ -37,7 +38,7 @@ class Graph:
     """N nodes, one for each phone in one context, in the order of the words, and H hubs."""
 
     senones: Ints
-    """(N, 3), or ANY_SPEECH"""
+    """(N, 3), or ANY_SPEECH; from `n_senones` on, rows of `choices`"""
     base: Ints
     """(N,) base phone, which has the transition probabilities"""
     hub: Ints
@@ -54,6 +55,10 @@ class Graph:
     """H rows of the nodes that lead to the hub"""
     starts: Ints
     """(H + 1,) the first node of each hub, and N"""
+    n_senones: int
+    """of the acoustic model"""
+    choices: tuple[tuple[int, ...], ...]
+    """rows of senones of which the best in each frame counts"""
 
     @property
     def n_hubs(self) -> int:
@@ -65,7 +70,13 @@ class _Builder:
     def __init__(self, model: AcousticModel, words: Sequence[Pronunciations]) -> None:
         self.model = model
         self.pause = model.base(PAUSE)
-        self.words = [[[model.base(p) for p in row] for row in rows] for rows in words]
+        # The first phone of a choice stands for it in the contexts of others.
+        choices = [[[p.split("|") for p in row] for row in rows] for rows in words]
+        self.words = [[[model.base(p[0]) for p in row] for row in rows] for rows in choices]
+        self.others = [
+            [[tuple(map(model.base, p[1:])) for p in row] for row in rows] for rows in choices
+        ]
+        self.choices: dict[tuple[int, ...], int] = {}
         self.rows: list[tuple[tuple[int, ...], int, int, int, int, float]] = []
         self.predecessors: list[tuple[int, ...]] = []
         self.exits: list[list[int]] = [[] for _ in range(len(words) + 1)]
@@ -120,10 +131,10 @@ class _Builder:
         groups: dict[tuple[int, tuple[int, ...]], list[int]] = defaultdict(list)
         for left in lefts:
             for right in rights:
-                row = self.model.sequence(phone, left, right, place)
+                others = self.others[index][number][position]
                 # Which right contexts a node serves must not depend on the left one.
                 key = right if is_first and is_last else -1
-                senones = tuple(int(s) for s in self.model.sequences[row])
+                senones = self._senones((phone, *others), left, right, place)
                 groups[key, senones].append(left if is_first else right)
         nodes = []
         for (right, senones), contexts in groups.items():
@@ -138,6 +149,20 @@ class _Builder:
                     else:
                         endings[phone, outlook].append(node)
         return tuple(nodes)
+
+    def _senones(
+        self, phones: tuple[int, ...], left: int, right: int, place: Position
+    ) -> tuple[int, ...]:
+        """The senones of the three states of a phone, or of whichever of several fits best."""
+        rows = [self.model.sequence(phone, left, right, place) for phone in phones]
+        states = self.model.sequences[rows].T.tolist()
+        if len(phones) == 1:
+            return tuple(state[0] for state in states)
+        n_senones = len(self.model.senone_base)
+        return tuple(
+            n_senones + self.choices.setdefault(tuple(sorted(set(state))), len(self.choices))
+            for state in states
+        )
 
     def _sources(self, index: int, phone: int, lefts: Sequence[int]) -> list[int]:
         sources = [HUB - index] if self.pause in lefts else []
@@ -160,4 +185,5 @@ def build_graph(model: AcousticModel, words: Sequence[Pronunciations]) -> Graph:
         np.array(cost, np.float32), tuple(builder.predecessors),
         tuple(tuple(row) for row in builder.exits),
         np.array([*builder.starts, len(builder.rows)], np.int32),
+        len(model.senone_base), tuple(builder.choices),
     )  # fmt: skip

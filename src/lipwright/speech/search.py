@@ -107,6 +107,18 @@ def _padded(rows: Sequence[Sequence[int]], empty: int) -> Ints:
     return table
 
 
+def _ratios(search: Search, start: int, stop: int, senones: Ints) -> Floats:
+    """(stop - start, len(senones)) of senones, sorted, and of the graph's choices of them."""
+    count = int(np.searchsorted(senones, search.graph.n_senones))
+    if count == len(senones):
+        return search.scores.ratios(start, stop, senones)
+    rows = [search.graph.choices[i - search.graph.n_senones] for i in senones[count:]]
+    needed = np.unique(np.concatenate([senones[:count], *rows]))
+    heard = search.scores.ratios(start, stop, needed)
+    best = [heard[:, np.searchsorted(needed, row)].max(axis=1) for row in rows]
+    return np.column_stack([heard[:, np.searchsorted(needed, senones[:count])], *best])
+
+
 _NOWHERE: Final = np.iinfo(np.intp).min
 
 
@@ -234,7 +246,7 @@ class _Reach:
         columns = columns.reshape(3, -1)
         spoken = senones[senones != ANY_SPEECH]
         ratios = np.full((stop - start, len(senones)), -search.costs.other, np.float32)
-        ratios[:, len(senones) - len(spoken) :] = search.scores.ratios(start, stop, spoken)
+        ratios[:, len(senones) - len(spoken) :] = _ratios(search, start, stop, spoken)
         n_frames, n_nodes, n_hubs = len(ratios), self.high - self.low, len(self.at_hub)
         arrived = np.empty((n_frames, 3, n_nodes), np.bool_)
         choices = np.empty((n_frames, len(self._choosers)), np.uint8)

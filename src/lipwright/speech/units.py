@@ -2,9 +2,11 @@
 
 The phone table of a track groups sounds by what a face does: German "ach" is K there, as the
 tongue's back rises for both. A listener hears the breath of an H. So forced alignment starts from
-the sounds themselves, in IPA, and each becomes one or more units of the model in a row. A row's
-reason is in its last column; where it says "measured", `bench/acoustic_units.py` tried several on
-speech whose phone times are known, and the row has the one with the smallest errors.
+the sounds themselves, in IPA, and each becomes one or more units of the model in a row. Where a
+sound lies between English ones, and speakers differ, a unit is a choice: the aligner takes
+whichever fits each moment best. The first of a choice is the one that was best alone where
+`bench/acoustic_units.py` tried them on speech whose phone times are known; docs/alignment.md has
+what choices gain.
 """
 
 from __future__ import annotations
@@ -15,45 +17,45 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final
 
-from lipwright.phones import PHONES
+from lipwright.phones import ARPABET, PHONES
 
 Units = tuple[str, ...]
-"""names of base phones of the acoustic model, at least one"""
+"""names of base phones of the acoustic model, at least one, or choices of them: "IY|UW" """
 
-# IPA, units, why. Several letters are looked up whole before they are taken apart.
+# IPA, units, example or reason. Several letters are looked up whole before they are taken apart.
 _VOWELS: Final = (
     ("i", "IY", "feel"),
-    ("y", "UW", "the lips of u lower the second formant to that of a fronted English u"),
-    ("ɨ", "IH", "debit"),
+    ("y", "IY|UW", "i with the lips of u; espeak-ng's is nearer i, English u is the fronted one"),
+    ("ɨ", "IH|UH", "debit"),
     ("ʉ", "UW", "dude"),
-    ("ɯ", "UW", "u without its lips; English u has little of them"),
-    ("u", "UW", "too"),
-    ("ɪ", "IH", "fill"),
-    ("ʏ", "IH", "the lips lower it, and English short i is low already"),
-    ("ʊ", "UH", "book"),
-    ("e", "EY", "ate"),
-    ("ø", "ER", "rounded and front of centre: a low third formant, as in fur"),
-    ("ɘ", "AH", "a kind of schwa"),
+    ("ɯ", "UH|UW", "u without its lips"),
+    ("u", "UW|UH", "too; book, as monophthongs are further back"),
+    ("ɪ", "IH|IY", "fill; closer than in English in most languages"),
+    ("ʏ", "IH|UH|UW", "short i with lips"),
+    ("ʊ", "UH|OW|UW", "book"),
+    ("e", "IH|EY|IY", "the first half of ate, which closes on to i"),
+    ("ø", "UH|ER|AH", "rounded and front of centre: the low third formant of fur, or book"),
+    ("ɘ", "AH|IH", "a kind of schwa"),
     ("ɵ", "UH", "Swedish full: rounded and central"),
-    ("ɤ", "AH", "o without its lips"),
-    ("o", "OW", "go"),
-    ("ə", "AH", "ago; the model writes schwa as AH"),
+    ("ɤ", "AH|UH", "o without its lips"),
+    ("o", "OW|AO|UH", "the first half of go, which closes on to u"),
+    ("ə", "AH|UH", "ago; the model writes schwa as AH"),
     ("ɚ", "ER", "letter"),
-    ("ɛ", "EH", "pet"),
-    ("œ", "ER", "as ø, more open"),
+    ("ɛ", "EH|AE", "pet"),
+    ("œ", "AH|ER|UH", "as ø, more open"),
     ("ɜ", "ER", "British fur"),
     ("ɝ", "ER", "fur"),
     ("ɞ", "ER", "ɜ with lips"),
     ("ʌ", "AH", "cut"),
-    ("ɔ", "AO", "dog"),
-    ("æ", "AE", "cat"),
-    ("ɐ", "AH", "between cut and father"),
-    ("a", "AA", "the open vowel of most languages"),
+    ("ɔ", "AO|OW|AA", "dog"),
+    ("æ", "AE|EH", "cat"),
+    ("ɐ", "AH|AA", "between cut and father"),
+    ("a", "AA|AH|AE", "the open vowel of most languages, between father, cut and cat"),
     ("ɶ", "AE", "a with lips"),
-    ("ɑ", "AA", "father"),
-    ("ɒ", "AA", "British dog; American ones merge it with ɑ"),
-    ("ɿ", "IH", "Mandarin si: a buzzing central vowel"),
-    ("ʅ", "IH", "Mandarin shi: the same, with the tongue curled"),
+    ("ɑ", "AA|AO", "father"),
+    ("ɒ", "AA|AO", "British dog"),
+    ("ɿ", "IH|UH|Z", "Mandarin si: a buzz with a vowel in it"),
+    ("ʅ", "IH|ER|UH", "Mandarin shi: the same, with the tongue curled"),
     ("ʮ", "UW", "ɿ with lips"), ("ʯ", "UW", "ʅ with lips"),
     ("ᵻ", "IH", "debit"), ("ᵿ", "UH", "its rounded sister"),
 )  # fmt: skip
@@ -75,26 +77,29 @@ _CONSONANTS: Final = (
     ("ɡ", "G", "gut"), ("ʈ", "T", "Swedish kort"), ("ɖ", "D", "Swedish bord"),
     ("c", "K", "a k further forward"), ("ɟ", "G", "a g further forward"),
     ("q", "K", "a k further back"), ("ɢ", "G", "a g further back"),
-    ("ʔ", "T", "American button: a stop without a burst"),
+    ("ʔ", "T|HH", "American button: a stop without a burst"),
     ("m", "M", "mat"), ("ɱ", "M", "comfort"), ("n", "N", "no"), ("ɳ", "N", "Swedish barn"),
     ("ɲ", "N Y", "canyon"), ("ŋ", "NG", "sing"), ("ɴ", "NG", "Japanese n before a pause"),
     ("ʙ", "B", "a trill of the lips"),
-    ("r", "R", "a trill; measured against D"),
-    ("ʀ", "R", "a trill of the uvula"),
-    ("ɾ", "D", "American butter"), ("ɽ", "D", "Japanese r: a tap"),
-    ("ɺ", "L", "Japanese r, with the sides open"),
-    ("ɸ", "F", "Japanese fu: an f of both lips"), ("β", "V", "Spanish lobo: a v of both lips"),
-    ("f", "F", "fork"), ("v", "V", "vat"), ("θ", "TH", "thin"), ("ð", "DH", "then"),
+    ("r", "R|D|T", "a trill: the taps of D, or the weak r between vowels"),
+    ("ʀ", "R|HH|G", "a trill of the uvula"),
+    ("ɾ", "D|R", "American butter"), ("ɽ", "D|R|L", "Japanese r: a tap"),
+    ("ɺ", "L|D|R", "Japanese r, with the sides open"),
+    ("ɸ", "F|HH", "Japanese fu: an f of both lips"),
+    ("β", "V|B|W", "Spanish lobo: a v of both lips"),
+    ("f", "F", "fork"), ("v", "V|W", "vat; weak in many languages"), ("θ", "TH", "thin"),
+    ("ð", "DH|D|V", "then; Spanish nada"),
     ("s", "S", "sit"), ("z", "Z", "zap"), ("ʃ", "SH", "she"), ("ʒ", "ZH", "pleasure"),
-    ("ʂ", "SH", "Swedish fors, Mandarin shi"), ("ʐ", "ZH", "Mandarin ri"),
-    ("ɕ", "SH", "Swedish tjog, Mandarin xi"), ("ʑ", "ZH", "Japanese ji"),
-    ("ɧ", "SH", "Swedish själ: the low hiss of sh, further back"),
-    ("ç", "HH", "huge: the breath before a y"), ("ʝ", "Y", "Spanish yo"),
-    ("x", "HH", "Bach: breath at the tongue's back, no burst"), ("ɣ", "G", "Spanish lago"),
-    ("χ", "HH", "as x, further back"), ("ʁ", "R", "French rue, German rot"),
+    ("ʂ", "SH|S", "Swedish fors, Mandarin shi"), ("ʐ", "ZH|R|Z", "Mandarin ri: a buzzing r"),
+    ("ɕ", "SH|S", "Swedish tjog, Mandarin xi: between she and see"), ("ʑ", "ZH", "Japanese ji"),
+    ("ɧ", "SH|HH|F", "Swedish själ: the low hiss of sh, further back"),
+    ("ç", "HH|SH", "huge: the breath before a y"), ("ʝ", "Y", "Spanish yo"),
+    ("x", "HH|K|SH", "Bach: breath at the tongue's back, no burst"),
+    ("ɣ", "G|HH|W", "Spanish lago"),
+    ("χ", "HH|K|SH", "as x, further back"), ("ʁ", "R|HH|G", "French rue, German rot"),
     ("ħ", "HH", "breath in the throat"), ("ʕ", "AA", "a narrow throat, near a vowel"),
     ("h", "HH", "help"), ("ɦ", "HH", "ahead"), ("ɬ", "SH", "Welsh ll"), ("ɮ", "L", "a buzzing l"),
-    ("ʋ", "V", "Dutch wat"), ("ɹ", "R", "red"), ("ɻ", "R", "Mandarin er"), ("j", "Y", "yard"),
+    ("ʋ", "V|W", "Dutch wat"), ("ɹ", "R", "red"), ("ɻ", "R", "Mandarin er"), ("j", "Y", "yard"),
     ("ɰ", "G", "an open ɣ"), ("ɥ", "Y", "French huit"), ("w", "W", "with"), ("ʍ", "W", "which"),
     ("l", "L", "lid"), ("ɫ", "L", "dark l"), ("ɭ", "L", "Swedish Karl"), ("ʎ", "L Y", "million"),
     ("ʟ", "L", "an l at the tongue's back"),
@@ -106,10 +111,11 @@ _CONSONANTS: Final = (
     ("ʘ", "P", "a click of the lips"),
 )  # fmt: skip
 _AFFRICATES: Final = (
-    ("tʃ", "CH", "chin"), ("dʒ", "JH", "joy"), ("tɕ", "CH", "Mandarin jia"),
-    ("dʑ", "JH", "Japanese ji"), ("ʈʂ", "CH", "Mandarin zhong"), ("ɖʐ", "JH", "its voiced sister"),
+    ("tʃ", "CH", "chin"), ("dʒ", "JH", "joy"), ("tɕ", "CH|JH", "Mandarin jia"),
+    ("dʑ", "JH", "Japanese ji"), ("ʈʂ", "CH|JH", "Mandarin zhong"),
+    ("ɖʐ", "JH", "its voiced sister"),
     ("ts", "T S", "cats"), ("dz", "D Z", "adze"), ("tr", "CH", "tree"),
-    ("pf", "P F", "German Pfund"), ("tʂ", "CH", "Mandarin zhong"), ("ʧ", "CH", "chin"),
+    ("pf", "P F", "German Pfund"), ("tʂ", "CH|JH", "Mandarin zhong"), ("ʧ", "CH", "chin"),
     ("ʤ", "JH", "joy"), ("ʦ", "T S", "cats"), ("ʨ", "CH", "Mandarin jia"),
     ("ʥ", "JH", "Japanese ji"),
 )  # fmt: skip
@@ -157,7 +163,7 @@ def _units_of(phone: str, ipa: str, language: str) -> Units:
         return found
     if phone in _OF_PHONE:
         return (_OF_PHONE[phone],)
-    return _of_ipa(PHONES[phone].ipa, language)
+    return (phone,) if phone in ARPABET else _of_ipa(PHONES[phone].ipa, language)
 
 
 def _of_ipa(ipa: str, language: str) -> Units:
