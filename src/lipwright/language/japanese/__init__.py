@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final
 
@@ -29,6 +30,7 @@ _PARTICLES: Final = MappingProxyType({"は": "わ", "へ": "え"})
 # Words whose last は or へ is no particle: laughter, and the word for mother.
 _NO_PARTICLE: Final = re.compile("[は]+|[へ]+|はは")
 _NEGATED: Final = re.compile("では(?=な|あり|あった)")  # dewa nai, dewa arimasen
+_REMEMBERED: Final = 20_000  # words
 _PAUSE: Final = re.compile("[，。！？、；：…｡､,.;:!?」』）)]$")
 
 
@@ -104,13 +106,19 @@ def _ways(word: str, following: str, dictionary: Dictionary | None) -> tuple[Pro
         return get_language("en").pronounce(key)
     if not key or not all(map(is_kana, key)):
         raise LipwrightError(f"{word[:40]!r} is not kana; write it in hiragana or katakana")
+    return _kana_ways(key, following)
+
+
+@lru_cache(_REMEMBERED)
+def _kana_ways(key: str, following: str) -> tuple[Pronunciation, ...]:
+    """The way to say kana before the sound that follows."""
     sounds = [
         sound
         for written in sounds_of(_with_particles(key), following)
         for sound in read_ipa(written)
     ]
     if not sounds:
-        raise LipwrightError(f"{word[:40]!r} has no sound of its own")
+        raise LipwrightError(f"{key[:40]!r} has no sound of its own")
     return (
         Pronunciation(
             tuple(sound.phone for sound in sounds), "rule", tuple(sound.ipa for sound in sounds)
