@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
@@ -101,12 +102,7 @@ class HibariVoice:
 
     @cached_property
     def _vocabulary(self) -> dict[str, int]:
-        import json
-
-        from hibari.tts import ASSETS
-
-        with Path(ASSETS, "vocab.json").open(encoding="utf-8") as file:
-            vocabulary: dict[str, int] = json.load(file)
+        vocabulary: dict[str, int] = json.loads((_assets() / "vocab.json").read_text("utf-8"))
         return vocabulary
 
     def _open_session(self) -> Any:
@@ -200,6 +196,21 @@ def _bridge(tail: Samples, head: Samples, pause: float | None, at_end: bool) -> 
     return Stretch(np.concatenate([tail, between, head]), (Timed(SILENCE, 0),), ())
 
 
+def _assets() -> Path:
+    """Where hibari keeps its files; hibari itself, which imports much, is not imported for it."""
+    spec = find_spec("hibari")
+    if spec is None or not spec.submodule_search_locations:
+        raise LipwrightError("hibari is not installed; run: pip install hibari-tts")
+    return Path(spec.submodule_search_locations[0], "assets")
+
+
+@cache
+def _table() -> dict[str, dict[str, Any]]:
+    """What `hibari.voices.VOICES` holds, from its file; the default first."""
+    table: dict[str, dict[str, Any]] = json.loads((_assets() / "voices.json").read_text("utf-8"))
+    return table
+
+
 @lru_cache(maxsize=2)
 def _ready(info: VoiceInfo, model: Path, british: bool, changed: float) -> HibariVoice:
     """A voice, kept for the next text: it takes longer to open than to say a sentence."""
@@ -230,16 +241,18 @@ class HibariBackEnd:
         Raises:
             LipwrightError: there is none; lists those on this machine, and how to get others.
         """
-        known = self.voices()
+        table = self._table()
+        if not voice and language in (None, "en"):
+            voice = next(iter(table))  # without a look at the others, which takes longer
+        known = () if voice in table and self._path(voice) else self.voices()
         if not voice:
-            fitting = [one for one in known if language in (None, one.language)]
+            fitting = [one for one in known if language == one.language]
             fitting = fitting or [one for one in known if language == "en-gb"]
             if not fitting:
                 raise LipwrightError(
                     f"hibari speaks English alone, not {language!r}; choose another voice"
                 )
             voice = fitting[0].name.partition(":")[2]
-        table = self._table()
         path = self._path(voice) if voice in table else None
         if path is None:
             raise LipwrightError(self._refusal(voice, known))
@@ -260,12 +273,12 @@ class HibariBackEnd:
         )  # fmt: skip
 
     def _table(self) -> dict[str, dict[str, Any]]:
-        from hibari.voices import VOICES
-
-        table: dict[str, dict[str, Any]] = VOICES
-        return table
+        return _table()
 
     def _path(self, name: str) -> Path | None:
+        row = self._table()[name]
+        if row.get("bundled"):
+            return _assets() / str(row["file"])
         from hibari.voices import voice_path
 
         try:
