@@ -113,7 +113,7 @@ class Timeline:
 
     def audio(self) -> Audio:
         """The sound alone."""
-        return Audio(self._loud_enough(np.concatenate(self._samples)), self.rate)
+        return Audio(self._sound(0, 0), self.rate)
 
     def utterance(self, text: str) -> Utterance:
         """All of it, with silence around it.
@@ -125,12 +125,12 @@ class Timeline:
             raise ValueError("an utterance without phones")
         head = self._missing(0) if self._phones[0].phone == SILENCE else AROUND
         tail = self._missing(-1) if self._phones[-1].phone == SILENCE else AROUND
-        before, after = (np.zeros(round(s * self.rate), np.float32) for s in (head, tail))
-        samples: Samples = np.concatenate([before, *self._samples, after]).astype(np.float32)
+        before, after = round(head * self.rate), round(tail * self.rate)
+        samples = self._sound(before, after)
         phones = list(self._phones)
         if phones[-1].phone != SILENCE:
             phones.append(Timed(SILENCE, self._length))
-        starts = [phone.start + len(before) for phone in phones]
+        starts = [phone.start + before for phone in phones]
         if phones[0].phone == SILENCE:
             starts[0] = 0
         else:
@@ -141,12 +141,21 @@ class Timeline:
             tuple(phone.phone for phone in phones), edges / self.rate, self._spans(phones),
             tuple(phone.stress for phone in phones),
         )  # fmt: skip
-        return Utterance(Audio(self._loud_enough(samples), self.rate), track, text)
+        return Utterance(Audio(samples, self.rate), track, text)
 
-    def _loud_enough(self, samples: Samples) -> Samples:
-        """Not above full scale."""
-        loudest = max(1.0, float(np.abs(samples).max(initial=0.0)))
-        return (samples / loudest).astype(np.float32)
+    def _sound(self, before: int, after: int) -> Samples:
+        """All samples, so many of silence around them, and none above full scale."""
+        loudest = max((float(np.abs(part).max(initial=0.0)) for part in self._samples), default=0.0)
+        samples = np.zeros(before + self._length + after, np.float32)
+        place = before
+        for part in self._samples:
+            samples[place : place + len(part)] = part
+            place += len(part)
+        if loudest > 1:
+            samples /= np.float32(loudest)
+        # An hour of speech is 300 MB; the parts are let go of.
+        self._samples = [samples[before:place]]
+        return samples
 
     def _begin(self, phone: str) -> None:
         if not self._phones or self._phones[-1].phone != phone:
