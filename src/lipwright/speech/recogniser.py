@@ -31,7 +31,7 @@ NOTHING: Final = ""
 _LETTERS: Final = MappingProxyType({
     "e": "EY", "o": "AO", "a": "AE", "ə": "AH", "ɚ": "ER", "x": "K",
 })  # fmt: skip
-_LOUDNESS: Final = 0.1  # root mean square of a piece as the network hears it, full scale is 1
+_LOUDNESS: Final = 0.025  # root mean square of a piece as the network hears it, full scale is 1
 _LEAST: Final = np.float32(1e-12)  # probability
 
 
