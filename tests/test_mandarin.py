@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -400,6 +401,15 @@ class TestSounds:
             if len(row.phones) == 1 and row.ipa not in ("ai", "ei", "au", "ou", "x", "j", "ɚ", "o"):
                 (sound,) = read_ipa(row.ipa)
                 assert sound.phone == unvoiced.get(row.phones[0], row.phones[0]), row
+
+    def test_the_page_has_every_initial_and_final(self) -> None:
+        page = (Path(__file__).parents[1] / "docs" / "mandarin.md").read_text(encoding="utf-8")
+        rows = {tuple(row.strip("| ").split(" | ")[:3]) for row in page.split("\n") if "|" in row}
+        for initial, phone in INITIALS.items():
+            assert (initial, INITIAL_IPA[initial], phone) in rows
+        finals = {(row[1], row[2]) for row in rows if len(row) == 3}
+        several = {(row.ipa, " ".join(row.phones)) for row in CMN.inventory() if row.phones[1:]}
+        assert several - finals == {("wʊŋ", "W UH NG")}  # wong: one rare character
 
 
 class TestLexicon:

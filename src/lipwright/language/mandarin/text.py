@@ -47,7 +47,7 @@ class _Line:
 
     def written_at(self, start: int, end: int) -> str:
         """What was written between two places of `plain`, with the marks behind it."""
-        last = self.columns[end]
+        last = max(self.columns[end], self.columns[start] + 1)  # one may be written for several
         tail = _TAIL.match(self.written, last)
         return self.written[self.columns[start] : tail.end() if tail else last]
 
