@@ -62,7 +62,7 @@ def main() -> None:
     for word, row in rows.items():
         if all(often[label] >= _FEWEST for label in row):
             trainer.append(features(word), row)
-    trainer.set_params({"c1": 0.3, "c2": 0.01, "max_iterations": 40, "feature.minfreq": 2})
+    trainer.set_params({"c1": 0.05, "c2": 0.01, "max_iterations": 80, "feature.minfreq": 2})
     trainer.train(str(options.output))
     print(f"{options.output}: {len(rows)} words, {options.output.stat().st_size / 1e6:.1f} MB")
 

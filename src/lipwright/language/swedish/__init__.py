@@ -24,7 +24,7 @@ _LETTERS: Final = re.compile(r"[^\W\d_]+")
 _ENDED: Final = re.compile(r"(?P<base>[^\W\d_]+):(?P<end>[^\W\d_]+)")  # "tv:n"
 _MUTE_H: Final = re.compile(r"(?<=[aeiouåäö])h(?=[lmnr])")  # of names: "Dahl", "Öhman"
 _SON: Final = "sson"  # of names: "Svensson"
-_SURE: Final = 0.6  # of a guess, from which it beats compounds; docs/log.md
+_SURE: Final = 0.95  # of a guess, from which it beats compounds; docs/log.md
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,9 @@ class Swedish:
         if ways := inflected(letters, self._lookup):
             return tuple((way, "rule") for way in ways)
         if letters.endswith(_SON) and len(letters) > len(_SON) + 1:
-            ((way, source), *_) = self._unknown(letters.removesuffix(_SON))
-            return ((join_parts((way, ("s", "ɔ", "n"))), source),)
+            ((way, source), *_) = self._ways(letters.removesuffix(_SON))
+            sounds = join_parts((way, ("s", "ɔ", "n")))
+            return ((sounds, "g2p" if source == "g2p" else "rule"),)
         guess, sureness = self._field.guess(_MUTE_H.sub("", letters))
         compound = self._compounds.say(letters) if sureness < _SURE else None
         if not guess and not compound:

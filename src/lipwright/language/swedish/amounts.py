@@ -16,6 +16,7 @@ _UNIT: Final = "|".join(re.escape(unit) for unit in sorted(tables.UNITS, key=len
 _CURRENCY: Final = "[" + re.escape("".join(sorted(tables.CURRENCIES))) + "]"
 _CARDINALS: Final = 16  # digits from which even a number in groups is read digit by digit
 _YEAR: Final = re.compile(r"1[1-9]\d\d|20\d\d", re.ASCII)
+_HOUR: Final = r"(?:[01]?\d|2[0-4])[.:][0-5]\d"
 _CLOCK: Final = ("kl", "kl.", "klockan")
 
 Rule = Callable[["Match[str]", str, str], list[str]]
@@ -86,6 +87,11 @@ def _time(found: Match[str], before: str, _: str) -> list[str]:
     return words + (cardinal(int(found["second"])) if found["second"] else [])
 
 
+def _hours(found: Match[str], before: str, after: str) -> list[str]:
+    first, last = (read_amount(found[name], before, after) or [] for name in ("from", "to"))
+    return [*first, "till", *last]
+
+
 def _date(found: Match[str], _: str, __: str) -> list[str]:
     month = tables.MONTHS[int(found["month"]) - 1]
     return [*ordinal(int(found["day"])), month, *year(int(found["year"]))]
@@ -144,6 +150,9 @@ _RULES: Final[tuple[tuple[re.Pattern[str], Rule], ...]] = tuple(
         (r"(?P<hour>[01]?\d|2[0-4])[.:](?P<minute>[0-5]\d)(?:[.:](?P<second>[0-5]\d))?", _time),
         (r"(?P<year>[1-9]\d{3})-(?P<month>0[1-9]|1[012])-(?P<day>0[1-9]|[12]\d|3[01])", _date),
         (r"(?P<number>\d{1,15}):?(?P<end>a|e)", _ordinal),
+        (rf"(?P<from>{_HOUR})-(?P<to>{_HOUR})", _hours),
+        (r"(?P<number>\d{1,2}):an", lambda found, _, __: [tables.NAMED_NUMBERS[found["number"]]]
+         if found["number"] in tables.NAMED_NUMBERS else [*number(found["number"]), "an"]),
         (r"(?P<number>\d{2,4})-?tal(?P<end>et|ets|en|s|)", _decade),
         (r"\+\d[\d-]*|0\d{1,3}-\d+", lambda found, _, __: digits(found[0])),
         (rf"(?P<from>{_NUMBER})-(?P<to>{_NUMBER})(?P<unit>{_UNIT})?", _range),

@@ -101,6 +101,12 @@ DENOMINATORS: Final = MappingProxyType({
     10: ("tiondel", "tiondelar"), 100: ("hundradel", "hundradelar"),
 })  # fmt: skip
 
+NAMED_NUMBERS: Final = MappingProxyType({
+    "1": "ettan", "2": "tvåan", "3": "trean", "4": "fyran", "5": "femman", "6": "sexan",
+    "7": "sjuan", "8": "åttan", "9": "nian", "10": "tian", "11": "elvan", "12": "tolvan",
+})  # fmt: skip
+"""what the bus or the child with the number is called: "1:an" """
+
 ROMAN: Final = MappingProxyType({
     "II": 2, "III": 3, "IV": 4, "VI": 6, "VII": 7, "VIII": 8, "IX": 9, "XI": 11, "XII": 12,
     "XIII": 13, "XIV": 14, "XV": 15, "XVI": 16,

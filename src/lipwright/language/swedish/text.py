@@ -17,7 +17,12 @@ from lipwright.language.swedish.numbers import digits, number, ordinal
 
 # "[skratt]", over several lines too, and the tags of marked-up text
 _UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")
-_TOKEN: Final = re.compile(r"(?<!\S)\d{1,3}(?:[ \xa0\u202f]\d{3})+(?!\d)\S*|\S+")
+# "t ex", and numbers in groups of three, unless groups of two follow as in telephone numbers
+_TOKEN: Final = re.compile(
+    r"(?<!\S)(?i:t ex|bl a|s k|m m|m fl|fr o m|t o m|p g a|d v s|o s v|f d|m a o)"
+    r"(?![^\s.,;:!?)])\S*"
+    r"|(?<!\S)\d{1,3}(?:[ \xa0\u202f]\d{3})+(?!\d)(?! \d\d(?!\d))\S*|\S+"
+)
 _EDGE: Final = '"()[]{}<>*_~|\\^`,;!?…'
 _SIGNS: Final = str.maketrans({
     **dict.fromkeys("‘’‛ʼʻ`´′", "'"), **dict.fromkeys("“”„‟«»″", '"'), "⁄": "/", "…": ".",
@@ -154,7 +159,7 @@ class Reader:
 
     def _short(self, token: _Token, before: str) -> list[str] | None:
         """The words of an abbreviation, a Roman number or letters with an ending, or None."""
-        bare, lower = token.bare, token.bare.lower()
+        bare, lower = token.bare, token.bare.lower().replace(" ", ".")
         for form in (lower, lower + "." if token.core != bare else lower):
             if form in tables.ABBREVIATIONS:
                 return tables.ABBREVIATIONS[form].split()

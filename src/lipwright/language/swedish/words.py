@@ -12,7 +12,7 @@ from lipwright.language.swedish.sounds import SHORT_OF, is_vowel, plain
 Sounds = tuple[str, ...]
 Lookup = Callable[[str], tuple[Sounds, ...]]
 
-# Longest first; SAOL and Teleman, Hellberg and Andersson, "Svenska Akademiens grammatik" (1999).
+# SAOL and Teleman, Hellberg and Andersson, "Svenska Akademiens grammatik" (1999).
 ENDINGS: Final = MappingProxyType({
     "arnas": "a r n a s", "ornas": "ʊ r n a s", "ernas": "ɛ r n a s", "andes": "a n d ɛ s",
     "heten": "h ˌeː t ɛ n", "heter": "h ˌeː t ɛ r", "ningen": "n ɪ ŋ ɛ n", "ningar": "n ɪ ŋ a r",
@@ -22,11 +22,13 @@ ENDINGS: Final = MappingProxyType({
     "ens": "ɛ n s", "ets": "ɛ t s", "ing": "ɪ ŋ", "iga": "ɪ ɡ a", "isk": "ɪ s k",
     "en": "ɛ n", "et": "ɛ t", "ar": "a r", "or": "ʊ r", "er": "ɛ r", "na": "n a", "at": "a t",
     "ad": "a d", "as": "a s", "te": "t ɛ", "de": "d ɛ", "it": "ɪ t", "ig": "ɪ ɡ", "ts": "t s",
-    "ne": "n ɛ", "es": "ɛ s", "tt": "t", "ns": "n s", "rs": "r s", "dd": "d",
+    "es": "ɛ s", "tt": "t", "tte": "t ɛ", "ttes": "t ɛ s", "tts": "t s", "dde": "d ɛ",
+    "ddes": "d ɛ s", "ns": "n s", "rs": "r s", "dd": "d",
     "s": "s", "n": "n", "t": "t", "r": "r", "a": "a", "e": "ɛ", "d": "d",
 })  # fmt: skip
 """ending of an inflected or derived word to its sounds"""
 
+_LONGEST_FIRST: Final = tuple(sorted(ENDINGS.items(), key=lambda item: len(item[0]), reverse=True))
 _LINKS: Final = MappingProxyType({"o": "ʊ", "u": "ɵ", "a": "a", "e": "ɛ"})
 """vowels that a first part may end in instead of its own: "kyrko-gård", "salu-hall" """
 _FIRST_PARTS: Final = MappingProxyType({
@@ -52,7 +54,7 @@ _LAST_PARTS: Final = MappingProxyType({
 _NEVER_PARTS: Final = frozenset(("erar", "erat", "erad", "tion", "inte", "eller"))
 """words of the lexicon, or forms of them, that look like endings or are never parts of compounds"""
 _SHORTEST: Final = 4  # letters of a compound's part; docs/log.md
-_FEWEST: Final = 4  # letters of a stem before an ending
+_FEWEST: Final = 3  # letters of a stem before an ending
 _LONGEST: Final = 30  # letters of a compound's part
 _KNOWN, _INFLECTED, _ENDED, _LINK = 1.0, 1.3, 0.7, 0.1
 """costs of a part of a compound: of the lexicon, inflected, an ending, and a linking s"""
@@ -63,9 +65,9 @@ def inflected(word: str, lookup: Lookup, depth: int = _DEPTH) -> tuple[Sounds, .
     """The ways to say an inflected form of a word that `lookup` has; none if there is no such."""
     if not depth:
         return ()
-    for ending, written in ENDINGS.items():
+    for ending, written in _LONGEST_FIRST:
         stem = word.removesuffix(ending)
-        if stem == word or len(stem) < _FEWEST:
+        if stem == word or len(stem) < _FEWEST or _is_doubled(stem, ending):
             continue
         for base, cut in _bases(stem, ending):
             ways = lookup(base)
@@ -73,8 +75,19 @@ def inflected(word: str, lookup: Lookup, depth: int = _DEPTH) -> tuple[Sounds, .
                 ways = inflected(base, lookup, depth - 1)
             if ways:
                 tail = tuple(written.split())
-                return tuple(_put(cut(way), tail) for way in ways)
+                fullest = sorted(ways, key=len, reverse=True)
+                cut_ways = (cut(way) for way in fullest)
+                if ending[:2] in ("tt", "dd"):
+                    cut_ways = (_shortened(way) for way in cut_ways)
+                return tuple(_put(way, tail) for way in cut_ways)
     return ()
+
+
+def _is_doubled(stem: str, ending: str) -> bool:
+    """Whether the cut would part a doubled consonant, which shortens the vowel: "vin", "vinn"."""
+    if ending[:2] in ("tt", "dd"):
+        return stem[-1] not in "aeiouyåäö"
+    return stem[-1] == ending[0]
 
 
 def _bases(stem: str, ending: str) -> list[tuple[str, Callable[[Sounds], Sounds]]]:
@@ -101,6 +114,12 @@ def _without_vowel(way: Sounds) -> Sounds:
 
 def _without_e(way: Sounds) -> Sounds:
     return way[:-2] + way[-1:] if len(way) > 2 and is_vowel(way[-2]) else way
+
+
+def _shortened(way: Sounds) -> Sounds:
+    """The stem before a doubled consonant: "fri" but "fritt"."""
+    last = plain(way[-1])
+    return (*way[:-1], way[-1].replace(last, SHORT_OF.get(last, last)))
 
 
 def _put(base: Sounds, tail: Sounds) -> Sounds:
