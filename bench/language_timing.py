@@ -35,9 +35,12 @@ from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, SpokenWord, get_language
 from lipwright.language.ipa import read_ipa
 from lipwright.speech import Alignment, align
+from lipwright.speech.features import FRAME_RATE
 from lipwright.speech.fit import SpokenRow
+from lipwright.speech.recording import spectra, static_features
 from lipwright.speech.sphinx import align_rows
 from lipwright.speech.units import all_units
+from lipwright.speech.warping import move_times, warp
 
 VARIANTS = (("", 175), ("+f2", 195), ("+m3", 150))  # of timbre, and words a minute
 SILENT = 1e-3  # full scale is 1; espeak-ng's closures are zeros
@@ -247,10 +250,12 @@ def sentences(language: str) -> Iterator[tuple[str, Said]]:
             yield text, say(text, voice, words_per_minute)
 
 
-def bench_language(language: str, own: bool) -> Figures:
-    """Every sentence by every voice."""
+def bench_language(language: str, own: bool, others: bool = False) -> Figures:
+    """Every sentence by every voice, or by those that warping is measured with."""
     figures = Figures([], defaultdict(list))
-    for text, said in sentences(language):
+    for number, (text, said) in enumerate(sentences(language)):
+        if others and number % len(VARIANTS) == 0:
+            continue
         try:
             alignment = align_said(said, text, language, own)
         except LipwrightError as error:
@@ -263,6 +268,33 @@ def bench_language(language: str, own: bool) -> Figures:
             print(f"{language}: {misfit.text!r} does not fit, score {misfit.score:.1f}: {text}")
         add_errors(figures, said.sounds, alignment)
     return figures
+
+
+def bench_warping(language: str) -> Figures:
+    """Each sentence of the other voices, with the times of the first voice warped to it."""
+    figures = Figures([], defaultdict(list))
+    for text in TEXTS[language]:
+        name = VOICES.get(language, language)
+        reference = say(text, name + VARIANTS[0][0], VARIANTS[0][1])
+        rows = _features(reference.audio)
+        for variant, words_per_minute in VARIANTS[1:]:
+            said = say(text, name + variant, words_per_minute)
+            starts = [sound.start for sound in reference.sounds]
+            moved = move_times(starts, warp(rows, _features(said.audio)), FRAME_RATE)
+            match = match_phones(
+                [Labelled(sound.phone, sound.start) for sound in said.sounds],
+                [Labelled(s.phone, t) for s, t in zip(reference.sounds, moved, strict=True)],
+            )
+            figures.phones += len(said.sounds)
+            figures.unmatched += len(match.reference_unmatched)
+            figures.errors += match.errors[~np.isnan(match.errors)].tolist()
+    return figures
+
+
+def _features(audio: Audio) -> npt.NDArray[np.float32]:
+    """Cepstra (T, 13), each as wide as the others."""
+    static = static_features(spectra(audio))
+    return static / static.std(axis=0)
 
 
 def add_errors(figures: Figures, sounds: Sequence[Heard], alignment: Alignment) -> None:
@@ -324,13 +356,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--languages", default=",".join(TEXTS), help="ISO codes with commas")
     parser.add_argument("--own", action="store_true", help="phones of the voice, not of the text")
+    parser.add_argument("--warping", action="store_true", help="compare time warping, own phones")
     parser.add_argument("--sounds", action="store_true", help="a line for each sound too")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table here")
     options = parser.parse_args()
     rows = {}
     for language in options.languages.split(","):
-        figures = bench_language(language, options.own)
+        if options.warping:
+            rows[f"{language}, warping"] = bench_warping(language).row()
+        figures = bench_language(language, options.own or options.warping, options.warping)
         rows[language] = figures.row()
         if options.sounds:
             print_sounds(figures.by_sound, language)
