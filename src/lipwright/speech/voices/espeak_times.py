@@ -161,15 +161,18 @@ def _without_gaps(timed: Sequence[Timed], heard: _Heard) -> list[Timed]:
 
 def _parted(timed: list[Timed], text: SaidText, code: str) -> list[Timed]:
     """The words that espeak-ng says as one, such as "on the", each with its own phones."""
-    said = {one.word for one in timed if one.word is not None}
+    said = sorted({one.word for one in timed if one.word is not None})
     last = len(text.words)
-    for word in sorted(said):
-        following = next((other for other in range(word + 1, last) if other in said), last)
-        if following == word + 1 or word >= last:
-            continue
-        counts = [len(_sounds(ipa)) for ipa in words_to_ipa(text.words[word:following], code)]
-        places = [index for index, one in enumerate(timed) if one.word == word]
-        owners = [word + number for number, count in enumerate(counts) for _ in range(count)]
+    together = [
+        range(word, min(following, last))
+        for word, following in zip(said, [*said[1:], last], strict=False)
+        if min(following, last) > word + 1
+    ]
+    words = [text.words[word] for group in together for word in group]
+    counts = iter([len(_sounds(ipa)) for ipa in words_to_ipa(words, code)] if words else [])
+    for group in together:
+        owners = [word for word in group for _ in range(next(counts))]
+        places = [index for index, one in enumerate(timed) if one.word == group[0]]
         if len(owners) == len(places):  # else they change each other, and stay together
             for place, owner in zip(places, owners, strict=True):
                 timed[place] = replace(timed[place], word=owner)
