@@ -203,7 +203,9 @@ class Tabled:
         spelt = self.lexicons[at].guess("".join(char for char in bare if char.isalpha()))
         sounds = mended(spelt, tables.mends[tables.lexicons[at]])
         if not sounds:  # a lone mute letter is called by its name
-            names = " ".join(tables.letter_names.get(char, "") for char in letters).split()
+            called = tables.letter_names
+            bare = unicodedata.normalize("NFD", letters)
+            names = " ".join(called.get(char, "") for char in (letters, *bare)).split()
             sounds = tuple(s for name in names for s in self.ways(name)[0].sounds)
         if not sounds:
             raise LipwrightError(

@@ -46,9 +46,14 @@ class AmountReader:
 
     def joins(self, bare: str, after: str) -> bool:
         """Whether the token after belongs to the number: its currency, unit or sign."""
-        if not re.fullmatch(rf"[-+]?{_NUMBER}", bare):
-            return after.lower() in self.amounts.hour_words and ":" in bare
+        if not re.fullmatch(rf"[-+]?{_NUMBER}(?:-{_NUMBER})?", bare):
+            return False
         return after in self.amounts.currencies or after in self.amounts.units or after == "%"
+
+    def is_time(self, bare: str, after: str) -> bool:
+        """Whether it is a time before the word for the hour: "10.30" before "Uhr"."""
+        hour = after.lower() in self.amounts.hour_words
+        return hour and bool(re.fullmatch(r"\d\d?[:.][0-5]\d", bare))
 
     def starts(self, bare: str, after: str) -> bool:
         """Whether it is a currency that stands before its number."""
@@ -58,7 +63,8 @@ class AmountReader:
     def _nouns(self) -> frozenset[str]:
         """What the tables count."""
         forms = (*self.amounts.units.values(), *self.amounts.currencies.values())
-        return frozenset((*(noun for row in forms for noun in row), *self.amounts.hour_words))
+        nouns = {noun for row in forms for noun in row} | set(self.amounts.hour_words)
+        return frozenset(nouns - {""})
 
     @cached_property
     def _rules(self) -> tuple[tuple[re.Pattern[str], Rule], ...]:

@@ -16,7 +16,7 @@ SOUNDS: Final = MappingProxyType({
     # vowels
     "i": "bIEt", "y": "fUUt", "u": "hOEd", "ɪ": "bIt", "ɛ": "bEd", "ɔ": "bOt", "ʏ": "hUt",
     "ɑ": "bAd",
-    "eː": "bEEt", "øː": "nEUs", "oː": "bOOt", "aː": "zAAd", "ə": "dE", "ɛi̯": "ijs", "œy̯": "lUId",
+    "eː": "bEEt", "øː": "nEUs", "oː": "bOOt", "aː": "zAAd", "ə": "dE", "ɛi̯": "IJs", "œy̯": "lUId",
     "ɑu̯": "zOUt", "ɛː": "scÈne", "œː": "freUle", "ɔː": "zOne", "ɑ̃": "enquÊte",
     "ɛ̃": "bassIN", "ɔ̃": "chapErON",
     # consonants

@@ -86,6 +86,7 @@ def _takes_liaison(place: Place) -> bool:
     after = place.after_sounds
     return (
         bool(after)
+        and place.after not in ("et", "ou")
         and plain(after[0])[0] in _V + "jwɥ"
         and not _ASPIRATED.match(place.after)
         and (plain(after[0])[0] in _V or place.after[0] in "aeiouyhéèêâîôûœ")
@@ -160,7 +161,7 @@ AMOUNTS: Final = Amounts(
         "m": ("mètre", "mètres"), "km": ("kilomètre", "kilomètres"),
         "mg": ("milligramme", "milligrammes"), "g": ("gramme", "grammes"), "kg": ("kilo", "kilos"),
         "t": ("tonne", "tonnes"), "l": ("litre", "litres"), "ml": ("millilitre", "millilitres"),
-        "min": ("minute", "minutes"), "s": ("seconde", "secondes"),
+        "h": ("heure", "heures"), "min": ("minute", "minutes"), "s": ("seconde", "secondes"),
         "km/h": ("kilomètre heure", "kilomètres heure"),
         "m²": ("mètre carré", "mètres carrés"), "m2": ("mètre carré", "mètres carrés"),
         "°C": ("degré celsius", "degrés celsius"), "°": ("degré", "degrés"),
@@ -208,7 +209,8 @@ SAID: Final = MappingProxyType({
     "vé": "v e", "ixe": "i k s", "zède": "z ɛ d", "grec": "ɡ ʁ ɛ k", "cætera": "s e t e ʁ a",
     "chat": "ʃ a", "les": "l e", "des": "d e", "un": "œ̃", "est": "ɛ", "plus": "p l y / p l y s",
     "six": "s i s", "dix": "d i s", "tous": "t u / t u s", "en": "ɑ̃", "on": "ɔ̃", "dans": "d ɑ̃",
-    "lui": "l ɥ i", "louis": "l w i", "se": "s ə", "huit": "ɥ i t", "aulnes": "o n",
+    "lui": "l ɥ i", "louis": "l w i",
+    "hier": "j ɛ ʁ / i j ɛ ʁ", "se": "s ə", "huit": "ɥ i t", "aulnes": "o n",
     "vingt": "v ɛ̃",
 })  # fmt: skip
 

@@ -89,7 +89,7 @@ def number(text: str, amounts: Amounts, gender: Gender = "") -> list[str]:
 
 def roman(text: str) -> int:
     """The value of a Roman numeral up to 39; 0 if it is not one."""
-    if not re.fullmatch(r"X{0,3}(?:IX|IV|V?I{0,3})", text):
+    if not text or not re.fullmatch(r"X{0,3}(?:IX|IV|V?I{0,3})", text):
         return 0
     values = [_ROMAN[char] for char in text]
     return sum(

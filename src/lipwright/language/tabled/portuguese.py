@@ -113,7 +113,7 @@ AMOUNTS: Final = Amounts(
         "m": ("metro", "metros"), "km": ("quilômetro", "quilômetros"),
         "mg": ("miligrama", "miligramas"), "g": ("grama", "gramas"), "kg": ("quilo", "quilos"),
         "t": ("tonelada", "toneladas"), "l": ("litro", "litros"), "ml": ("mililitro", "mililitros"),
-        "min": ("minuto", "minutos"), "s": ("segundo", "segundos"),
+        "h": ("hora", "horas"), "min": ("minuto", "minutos"), "s": ("segundo", "segundos"),
         "km/h": ("quilômetro por hora", "quilômetros por hora"),
         "m²": ("metro quadrado", "metros quadrados"), "m2": ("metro quadrado", "metros quadrados"),
         "°C": ("grau celsius", "graus celsius"), "ºC": ("grau celsius", "graus celsius"),

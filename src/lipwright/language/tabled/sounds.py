@@ -57,6 +57,12 @@ def finished(word: str, sounds: tuple[str, ...], tables: Tables) -> tuple[str, .
         else:
             at = (marked or vowels)[0]
         sounds = (*sounds[:at], "ˈ" + plain(sounds[at]), *sounds[at + 1 :])
+    main = [at for at, sound in enumerate(sounds) if sound[0] == "ˈ"]
+    kept = main[:1] if tables.links else main[-1:]  # the first part of a compound bears it
+    sounds = tuple(
+        "ˌ" + plain(sound) if at in main and at not in kept else sound
+        for at, sound in enumerate(sounds)
+    )
     return tables.finish(word, sounds) if tables.finish else sounds
 
 

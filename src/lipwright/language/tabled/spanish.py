@@ -91,7 +91,7 @@ AMOUNTS: Final = Amounts(
     of="de",
     ones={"uno": ("un", "una"), "veintiuno": ("veintiún", "veintiuna")},
     feminine=frozenset(("hora", "horas", "libra", "libras", "tonelada", "toneladas")),
-    ordinals=((r"\.?ª|a|ra|da|ta", "f"), (r"\.?[º°]|o|er|ro|do|to|vo|mo|no", "m")),
+    ordinals=((r"\.?ª|a|ra|da|ta", "f"), (r"\.?(?:[º°]|er)|o|ro|do|to|vo|mo|no", "m")),
     fractions={"1/2": "un medio", "1/3": "un tercio", "2/3": "dos tercios", "1/4": "un cuarto",
                "3/4": "tres cuartos"},
     roman="ordinal to ten",

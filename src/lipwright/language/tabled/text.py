@@ -142,9 +142,12 @@ class Reader:
                 said.append([own])
                 continue
             joined = bare
-            if token.core == bare and self._amounts.joins(bare, after):
-                skip, joined = True, bare if after[0].isalpha() and ":" in bare else bare + after
-                after = then
+            if token.core == bare and self._amounts.is_time(bare, after):
+                skip, joined, after = True, bare.replace(".", ":"), then
+            elif token.core == bare and self._amounts.joins(bare, after):
+                skip, joined, after = True, bare + after, then
+            elif token.core != bare and f"{bare}.{after}".lower() in self._tables.abbreviations:
+                skip, joined, after = True, f"{bare}.{after}", then
             elif self._amounts.starts(bare, after):
                 skip, joined, after = True, bare + after, then
             elif self._counts_millions(bare, after):
