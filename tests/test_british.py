@@ -17,6 +17,7 @@ from lipwright.language.english.received import (
     from_american,
     read_said,
 )
+from lipwright.language.pace import spoken_track
 from lipwright.phones import PHONES
 
 GB = get_language("en-gb")
@@ -156,6 +157,10 @@ class TestSentences:
             assert "ɹ" not in ours
         else:
             assert ours == ipa
+
+    def test_a_text_without_sound_is_paced_with_its_links(self) -> None:
+        assert spoken_track("Far away.", "en-gb").phones[1:4] == ("F", "AA", "R")
+        assert spoken_track("Far, away.", "en-gb").phones[1:4] == ("F", "AA", "sil")
 
     def test_a_linked_word_may_be_said_without_its_link(self) -> None:
         far, _ = GB.pronounce_all(GB.normalize("far away"))
