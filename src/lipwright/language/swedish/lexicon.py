@@ -17,7 +17,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from lipwright.errors import MissingExtraError
+from lipwright.errors import LipwrightError
 from lipwright.language.swedish.assimilation import RETROFLEX
 from lipwright.language.swedish.sounds import LONG_R, LONG_VOWELS, VOWELS, is_vowel, plain
 
@@ -156,7 +156,9 @@ class SwedishLexicon:
         """
         package = find_spec("gruut_lang_sv")
         if package is None or package.origin is None:
-            raise MissingExtraError("the Swedish lexicon", "all")
+            raise LipwrightError(
+                "the Swedish lexicon is not installed; run: pip install gruut-lang-sv"
+            )
         path = Path(package.origin).with_name("lexicon.db")
         entries: dict[str, list[str]] = {}
         with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro&immutable=1", uri=True)) as file:

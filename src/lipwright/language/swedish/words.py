@@ -172,7 +172,7 @@ class Compounds:
 
     def _find(self, part: str, is_last: bool) -> tuple[float, Sounds] | None:
         if ways := self._lookup(part) or (() if is_last else self._lookup(part + "-")):
-            return _KNOWN, ways[0]
+            return _KNOWN, max(ways, key=len)
         if not is_last and (linked := self._linked(part)):
             return linked
         if ways := inflected(part, self._lookup):
