@@ -1,6 +1,6 @@
 """What sounds do to their neighbours: r and a dental make a retroflex, r opens ä and ö.
 
-After Riad, "The Phonology of Swedish" (2014), sections 3.5 and 4.3: r before t d n s l is lost
+See Riad, "The Phonology of Swedish" (2014), on retroflexion: r before t d n s l is lost
 and the dental curled back; the curl goes on over all dentals that follow, within a word, in
 compounds and over word edges. A long r, as in "torrt", does neither. ä and ö before r, or
 before what r has become, are open.

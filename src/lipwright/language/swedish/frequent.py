@@ -1,8 +1,7 @@
 """Frequent words that are said otherwise than they are spelt, and the names of letters.
 
-Standard pronunciations and spoken forms after Hedelin, "Norstedts svenska uttalslexikon" (1997),
-and Garlén, "Svenska språknämndens uttalsordbok" (2003). The form of careful connected speech is
-first; forms that are fuller or more reduced follow, for the sound to choose from.
+Spoken standard Swedish, written down by us. The form of careful connected speech is first; forms
+that are fuller or more reduced follow, for the sound to choose from.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Numbers as Swedish words. num2words writes "förtiofem", "etttusen" and "tjugode", and no years.
 
-After "Svenska skrivregler" (Språkrådet 2017), chapter 13: what is below a million is one word, here
-parted behind "tusen" as in long numbers.
+What is below a million is one word by the book; here it is parted behind "tusen", as long numbers
+mostly are.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from lipwright.language.swedish.sounds import SHORT_OF, is_vowel, plain
 Sounds = tuple[str, ...]
 Lookup = Callable[[str], tuple[Sounds, ...]]
 
-# SAOL and Teleman, Hellberg and Andersson, "Svenska Akademiens grammatik" (1999).
+# See Teleman, Hellberg and Andersson, "Svenska Akademiens grammatik" (1999).
 ENDINGS: Final = MappingProxyType({
     "arnas": "a r n a s", "ornas": "ʊ r n a s", "ernas": "ɛ r n a s", "andes": "a n d ɛ s",
     "heten": "h ˌeː t ɛ n", "heter": "h ˌeː t ɛ r", "ningen": "n ɪ ŋ ɛ n", "ningar": "n ɪ ŋ a r",
