@@ -1,11 +1,12 @@
 """The sounds of Swedish: the symbols of the thesis, each with its phones and an example.
 
-"Visual speech in Swedish" (2018, the thesis) has 45 symbols: three for silence, pause and null, each
-vowel long and short, and the retroflexes as sounds of their own. It does not list them; the 42 here
-are those of its example words and of SAMPA for Swedish (Wells 1997): 18 consonants, the five that r
-makes of t d n s l, nine vowels each long and short, of which short e and short ä are one, and ä
-before r, long and short. Long ö before r, as open as short ö, has a row of its own, as in SAMPA
-("9:"). Qualities after Engstrand, "Handbook of the International Phonetic Association" (1999).
+"Visual speech in Swedish" (2018, the thesis) has 45 symbols: three for silence, pause and null,
+each vowel long and short, and the retroflexes as sounds of their own. It does not list them; the
+42 here are those of its example words and of SAMPA for Swedish (Wells 1997): 18 consonants, the
+five that r makes of t d n s l, nine vowels each long and short, of which short e and short ä are
+one, and ä before r, long and short. Long ö before r, as open as short ö, has a row of its own, as
+in SAMPA ("9:"). Qualities after Engstrand, "Handbook of the International Phonetic Association"
+(1999).
 
 Inside this package a sound is its IPA, behind "ˈ" in the stressed syllable's vowel and behind "ˌ"
 in that of later parts of a compound. "rː" is an r that stays: after a short vowel, written rr.
