@@ -77,6 +77,12 @@ def test_many_words_at_once_are_said_as_each_alone() -> None:
     assert espeak.words_to_ipa([], "en") == ()
 
 
+def test_every_language_says_ipa_and_nothing_else() -> None:
+    for language in espeak.languages():
+        said = espeak.to_ipa("Mama papa 12 Bob, 37 Sharjah amber.", language.code)
+        assert bool(read_ipa(said)) == (language.code not in espeak.MUTE), language.code
+
+
 def test_phonemes_are_parted_where_asked() -> None:
     assert espeak.to_ipa("cheap map", "en-us", "|") == "tʃ|ˈiː|p m|ˈæ|p"
     assert espeak.to_ipa("cheap", "en-us", "|").replace("|", "") == espeak.to_ipa("cheap", "en-us")

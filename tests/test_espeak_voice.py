@@ -290,6 +290,8 @@ def test_voices_are_named_by_language_and_timbre() -> None:
     assert find_voice("espeak:zh").info.name == "espeak:cmn"
     with pytest.raises(LipwrightError, match=r"espeak-ng has no voice 'xx'; use one of: .*sv"):
         find_voice("espeak:xx")
+    with pytest.raises(LipwrightError, match="no dictionary of Faroese"):
+        find_voice("espeak:fo")
 
 
 @pytest.mark.parametrize("name", ["en-gb", "de", "es", "fr", "it", "nl", "pt", "pt-br", "ja", "vi",

@@ -19,6 +19,7 @@ from lipwright.espeak.values import Clause, EspeakLanguage, PhoneEvent, Speech, 
 
 __all__ = [
     "EXTRA",
+    "MUTE",
     "Clause",
     "EspeakLanguage",
     "PhoneEvent",
@@ -39,6 +40,9 @@ MAX_CHARACTERS: Final = 100_000
 """in a request; longer texts are given in parts"""
 MAX_SECONDS: Final = 3600.0
 """of sound from a request"""
+MUTE: Final = frozenset(("xex", "fo", "kaa"))
+"""codes of a test language, and of Faroese and Karakalpak: 1.52 has no dictionary of theirs, and
+says nothing"""
 WORDS_PER_MINUTE: Final = 175
 """espeak-ng's own speed, `espeakRATE_NORMAL` in speak_lib.h"""
 MIN_WORDS_PER_MINUTE: Final = 80  # speak_lib.h: espeakRATE

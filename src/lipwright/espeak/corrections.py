@@ -33,6 +33,16 @@ CORRECTIONS: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType({
 })  # fmt: skip
 """voice to what it writes for a phoneme, without stress, and the IPA"""
 
+# Other languages' leftovers: capitals of Kirshenbaum's ASCII IPA ("Representing IPA phonetics in
+# ASCII", 1993), of which IPA has none, and the marks that tell a language's variants apart.
+_ASCII: Final = str.maketrans(
+    {
+        "A": "ɑ", "B": "β", "C": "ç", "D": "ð", "E": "ɛ", "G": "ɢ", "H": "ħ", "I": "ɪ", "J": "ɟ",
+        "L": "ɫ", "M": "ɱ", "N": "ŋ", "O": "ɔ", "P": "ɸ", "Q": "ɣ", "R": "r", "S": "ʃ", "T": "θ",
+        "U": "ʊ", "V": "ʌ", "W": "œ", "X": "χ", "Y": "ø", "Z": "ʒ", "@": "ə", "&": "æ", "#": "",
+        "^": "", "*": "", "/": "", '"': "", "!": "", "%": "", "=": "",
+    }
+)  # fmt: skip
 _STRESSED: Final = re.compile(r"([ˈˌ]*)(.*)", re.DOTALL)
 # Tones are digits behind the vowel; 3 comes out as the letter that it is in Kirshenbaum's ASCII.
 _TONE: Final = re.compile(r"(?<=[^ˈˌ])(?:[0-9]+ɜ?[0-9]*|ɜ[0-9]*)$")
@@ -45,4 +55,4 @@ def corrected(phoneme: str, code: str) -> str:
     assert match is not None  # the pattern takes anything
     stress, bare = match[1], match[2]
     table = CORRECTIONS.get(code)
-    return stress + (table or {}).get(bare, _VELAR.sub("ŋ", bare))
+    return stress + (table or {}).get(bare, _VELAR.sub("ŋ", bare).translate(_ASCII))

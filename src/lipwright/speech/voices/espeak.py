@@ -238,7 +238,8 @@ class EspeakBackEnd:
 
     def voices(self) -> Sequence[VoiceInfo]:
         """A voice for each language, English first."""
-        found = [_info(one) for one in espeak.languages() if one.code != "cmn"]
+        left_out = {"cmn", *espeak.MUTE}  # the first is offered by its pinyin voice
+        found = [_info(one) for one in espeak.languages() if one.code not in left_out]
         return tuple(sorted(found, key=lambda info: info.name != f"{NAME}:{DEFAULT}"))
 
     def open(self, voice: str, language: str | None) -> EspeakVoice:
@@ -249,6 +250,10 @@ class EspeakBackEnd:
         """
         wanted = voice or (language or DEFAULT)
         found = espeak.find_language(wanted)
+        if found.code in espeak.MUTE:
+            raise LipwrightError(
+                f"espeak-ng has no dictionary of {found.name} and cannot say it; name another voice"
+            )
         if found.code == "cmn":  # characters are given as pinyin, which is read without gaps
             found = espeak.find_language(MANDARIN)
         variant = wanted.partition("+")[2]
