@@ -330,7 +330,8 @@ def test_the_lips_do_not_shut_at_a_spanish_b_between_vowels():
 
 @pytest.mark.parametrize(
     ("code", "word", "way"),
-    [("de", "haben", "haːbm̩"), ("nl", "lopen", "loːpə"),      ("es", "llave", "ʝaβe"), ("es", "zapato", "sapato")],
+    [("de", "haben", "haːbm̩"), ("nl", "lopen", "loːpə"), ("es", "llave", "ʝaβe"),
+     ("es", "zapato", "sapato")],
 )  # fmt: skip
 def test_what_other_speakers_say_is_a_further_way(code, word, way):
     language = get_language(code)
