@@ -5,11 +5,13 @@
     python bench/lips.py --engines window:MODEL bigram:SET
     python bench/lips.py --split all        # all 880 sentences; closures and failures
     python bench/lips.py --fresh            # align anew instead of using kept phones
+    python bench/lips.py --listen           # from the sound alone: no words are given
 
 Every sentence is aligned, animated by each engine from the same phone times and the sound, posed on
 each head, and its aperture compared with the tracked lips of the video (`lipwright.evaluate.lips`
-defines the figures). The peers are OpenFaceFX, and `smartbody`: the bigram set that animators drew
-for SmartBody, played by our engine. Needs the extra `bench` and `lipwright head install`.
+defines the figures). With `--listen` its phones are recognised, and the aligned ones only say where
+speech is and lips close. The peers are OpenFaceFX, and `smartbody`: the bigram set that animators
+drew for SmartBody, played by our engine. Needs the extra `bench` and `lipwright head install`.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
 from lipwright.files import write_whole
 from lipwright.formats import write_track
+from lipwright.pipeline import ALIGNMENT_RATE
 from lipwright.track import PhoneTrack
+from phone_errors import PhoneErrors
 
 FPS = 60.0
 
@@ -43,7 +47,7 @@ Animator = Callable[[PhoneTrack, Path | None], Clip]
 
 def ours(engine: str, model: str | None = None) -> Animator:
     """One of our engines, with the sound and the passes that `lipwright animate` gives it."""
-    from lipwright.pipeline import ALIGNMENT_RATE, AnimateOptions, animate_track
+    from lipwright.pipeline import AnimateOptions, animate_track
 
     options = AnimateOptions(engine=engine, model=model, fps=FPS)
 
@@ -97,6 +101,31 @@ def animator(name: str, corpora: Path) -> Animator:
     return ours(engine, model or None)
 
 
+def hear(sentence: Sentence) -> PhoneTrack:
+    """The phones of a sentence without its words."""
+    from lipwright.speech.listening import listen
+
+    with open_audio(sentence.audio, ALIGNMENT_RATE) as sound:
+        return listen(sound).alignment.track
+
+
+def phones_of(
+    chosen: list[Sentence], fresh: bool, listen: bool
+) -> tuple[dict[str, PhoneTrack], list[str]]:
+    """Phones by the sentence's name, and what went wrong with those that have none."""
+    failures: list[str] = []
+    tracks: dict[str, PhoneTrack] = {}
+    for sentence in chosen:
+        try:
+            if listen:
+                tracks[sentence.name] = hear(sentence)
+            else:
+                tracks[sentence.name] = sentence.align() if fresh else sentence.track
+        except LipwrightError as error:
+            failures.append(f"{sentence.name}: {error}")
+    return tracks, failures
+
+
 def score(
     sentence: Sentence, track: PhoneTrack, clip: Clip, heads: dict[str, Ruler]
 ) -> dict[str, LipScore]:
@@ -125,19 +154,14 @@ def main() -> None:
     )
     parser.add_argument("--corpora", type=Path, default=CORPORA)
     parser.add_argument("--fresh", action="store_true", help="align anew; count failures")
+    parser.add_argument("--listen", action="store_true", help="from the sound alone")
     parser.add_argument("--json", type=Path, help="also write the figures to this file")
     options = parser.parse_args()
     if options.model is not None:
         options.engines.append(f"window:{options.model}")
     heads = rulers(options.corpora)
     chosen = sentences(options.split, options.corpora)[: options.first]
-    failures: list[str] = []
-    tracks: dict[str, PhoneTrack] = {}
-    for sentence in chosen:
-        try:
-            tracks[sentence.name] = sentence.align() if options.fresh else sentence.track
-        except LipwrightError as error:
-            failures.append(f"{sentence.name}: {error}")
+    tracks, failures = phones_of(chosen, options.fresh, options.listen)
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for engine in options.engines:
         animate = animator(engine, options.corpora)
@@ -146,10 +170,14 @@ def main() -> None:
             if sentence.name in tracks:
                 track = tracks[sentence.name]
                 clip = animate(track, None if options.without_sound else sentence.audio)
-                for head, value in score(sentence, track, clip, heads).items():
+                reference = sentence.track if options.listen else track
+                for head, value in score(sentence, reference, clip, heads).items():
                     scores[head].append(value)
         figures[engine] = {head: pool(values) for head, values in scores.items()}
-    print(f"{len(chosen)} sentences ({options.split}), {len(failures)} failed to align")
+    verb = "hear" if options.listen else "align"
+    print(f"{len(chosen)} sentences ({options.split}), {len(failures)} failed to {verb}")
+    if options.listen:
+        print(PhoneErrors.of((s.track, tracks[s.name]) for s in chosen if s.name in tracks))
     for line in failures:
         print("  " + line)
     head_line = ("r", "r_median", "r_best_lag", "lag_ms", "closures", "closures_real",
