@@ -11,6 +11,7 @@ goes; the best of three, since other work on the machine only makes it slower.
 from __future__ import annotations
 
 import argparse
+import resource
 import statistics
 import subprocess
 import sys
@@ -29,18 +30,20 @@ PARAGRAPH: Final = Path(__file__).parents[1] / "examples" / "sentences.txt"
 RUNS: Final = 3
 
 
-def cold(voice: str, runs: int) -> list[float]:
-    """Seconds of each run of the command."""
-    found = []
+def cold(voice: str, runs: int) -> tuple[list[float], list[float]]:
+    """Seconds of each run of the command, by the clock and of a processor."""
+    found, busy = [], []
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(runs):
-            started = time.perf_counter()
+            started, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
             subprocess.run(
                 [sys.executable, "-m", "lipwright", "say", SENTENCE, "--voice", voice,
                  "-o", f"{folder}/x.csv"], check=True, capture_output=True,
             )  # fmt: skip
             found.append(time.perf_counter() - started)
-    return found
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            busy.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return found, busy
 
 
 def warm(voice: str, text: str) -> tuple[float, float, float]:
@@ -70,8 +73,9 @@ def main() -> None:
     for voice in options.voices:
         try:
             if options.cold:
-                times = cold(voice, options.cold)
-                print(f"{voice}: cold {min(times):.2f} s best, {statistics.median(times):.2f} s")
+                times, busy = cold(voice, options.cold)
+                print(f"{voice}: cold {min(times):.2f} s best, {statistics.median(times):.2f} s "
+                      f"median; {min(busy):.2f} s of a processor")  # fmt: skip
             length, whole, spoken = warm(voice, text)
         except LipwrightError as error:
             print(f"{voice}: {error}")

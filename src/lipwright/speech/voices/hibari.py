@@ -36,6 +36,7 @@ _TURNED_INTO_FRAMES: Final = "CumSum"
 """the model's only node of this kind counts up the frames of the letters"""
 _MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibari.dsp.synth` says
 _PITCH: Final = 5  # output in Hz
+_MOST_LINES_AT_ONCE: Final = 4  # threads
 _STEPS: Final = 2  # of `hibari.dsp.HOP` in a FRAME
 _ODD_ONES_OUT: Final = 3  # severity from which onnxruntime speaks up
 _RAMP: Final = 4  # steps in which a word's emphasis comes and goes: 50 ms
@@ -91,14 +92,15 @@ class HibariVoice:
         timeline = Timeline(RATE)
         tail: Samples = np.zeros(0, np.float32)
         pause = before or None
-        for number, line in enumerate(lines, 1):
-            samples = self._say(line, number)
-            head, body, rest = time_line(line.letters, line.sounds, *samples)
-            timeline.add(_bridge(tail, head, pause, at_end=number == 1))
-            timeline.add(replace(body, words=line.words))
-            tail, pause = rest, line.pause
-            if progress:
-                progress(number / len(lines))
+        with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_LINES_AT_ONCE)) as pool:
+            said = pool.map(self._say, lines, range(1, len(lines) + 1))
+            for number, (line, (frames, samples)) in enumerate(zip(lines, said, strict=True), 1):
+                head, body, rest = time_line(line.letters, line.sounds, frames, samples)
+                timeline.add(_bridge(tail, head, pause, at_end=number == 1))
+                timeline.add(replace(body, words=line.words))
+                tail, pause = rest, line.pause
+                if progress:
+                    progress(number / len(lines))
         timeline.add(_bridge(tail, tail[:0], pause, at_end=True))
         return timeline.utterance(" ".join(piece.text for piece in script if piece.text))
 
@@ -114,7 +116,7 @@ class HibariVoice:
 
         options = onnxruntime.SessionOptions()
         options.log_severity_level = _ODD_ONES_OUT
-        options.intra_op_num_threads = options.inter_op_num_threads = 1  # more are no faster
+        options.intra_op_num_threads = options.inter_op_num_threads = 1  # lines have threads
         try:
             model = self._model.read_bytes()
             model = with_output(model, input_of(model, _TURNED_INTO_FRAMES))
