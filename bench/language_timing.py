@@ -38,7 +38,7 @@ from lipwright.speech import Alignment, align
 from lipwright.speech.features import FRAME_RATE
 from lipwright.speech.fit import SpokenRow
 from lipwright.speech.recording import spectra, static_features
-from lipwright.speech.sphinx import align_rows
+from lipwright.speech.sphinx import align_rows, is_english
 from lipwright.speech.units import all_units
 from lipwright.speech.warping import move_times, warp
 
@@ -211,7 +211,8 @@ def words_of_voice(said: Said, language: str) -> list[SpokenRow]:
 def align_said(said: Said, text: str, language: str, own: bool) -> Alignment:
     """The alignment of the text, or of the voice's own phones."""
     if own or language not in LANGUAGES:
-        return align_rows(said.audio, words_of_voice(said, language))
+        rows = words_of_voice(said, language)
+        return align_rows(said.audio, rows, english=is_english(language))
     return align(said.audio, get_language(language).normalize(text), language)
 
 

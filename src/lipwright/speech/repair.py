@@ -32,7 +32,7 @@ class Judged:
     misfits: dict[int, tuple[int, int, float | None]]
     """index to start, stop (frames) and score, or None where there is no room for the word"""
     allowance: float
-    """added to scores, for the noise of the recording"""
+    """added to scores, for the noise of the recording and the language"""
     share: float
     """0 to 1, how much of what is said and of what is written the fitting words are"""
     unwritten: list[tuple[int, int]]
@@ -42,11 +42,14 @@ class Judged:
 class Judge:
     """Decides which words fit, from a first path on."""
 
-    def __init__(self, search: Search, path: Sequence[Segment], rows: Sequence[SpokenRow]) -> None:
-        """`path` is the first path of all words."""
+    def __init__(
+        self, search: Search, path: Sequence[Segment], rows: Sequence[SpokenRow],
+        allowance: float = 0.0,
+    ) -> None:  # fmt: skip
+        """`path` is the first path of all words; `allowance` comes to that for noise."""
         self.scores, self.rows = search.scores, rows
         first = placed_words(search.graph, path)
-        self.allowance = noise_allowance([word.score for word in first])
+        self.allowance = allowance + noise_allowance([word.score for word in first])
         self.placed = {word.index: word for word in first}
         self.other = np.zeros(len(self.scores), np.bool_)  # frames that hold speech of no word
         self._mark_other(search, path)

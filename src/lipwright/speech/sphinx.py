@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Final
 from lipwright.errors import LipwrightError
 from lipwright.speech.acoustic import load_model, model_folder
 from lipwright.speech.aligner import Alignment, Progress
-from lipwright.speech.fit import SpokenRow
+from lipwright.speech.fit import FOREIGN_ALLOWANCE, SpokenRow
 from lipwright.speech.graph import build_graph
 from lipwright.speech.path import find_path
-from lipwright.speech.placing import to_alignment
+from lipwright.speech.placing import LEAST_SHARE, LEAST_SHARE_FOREIGN, to_alignment
 from lipwright.speech.recording import SILENT_DB, dynamic_range, levels, spectra, static_features
 from lipwright.speech.repair import Judge
 from lipwright.speech.scores import Scores
@@ -59,13 +59,17 @@ class SphinxAligner:
         Raises:
             LipwrightError: nothing is heard, or the words do not fit the sound.
         """
-        return align_rows(audio, spoken_rows(words, language, dictionary), progress)
+        rows = spoken_rows(words, language, dictionary)
+        return align_rows(audio, rows, progress, is_english(language))
 
 
 def align_rows(
-    audio: Sound, rows: Sequence[SpokenRow], progress: Progress | None = None
-) -> Alignment:
+    audio: Sound, rows: Sequence[SpokenRow], progress: Progress | None = None,
+    english: bool = True,
+) -> Alignment:  # fmt: skip
     """Put words whose units are known on the time axis of `audio`; see `Aligner.align`.
+
+    What is not `english` may fit the model less well.
 
     Raises:
         LipwrightError: nothing is heard, or the words do not fit the sound.
@@ -82,7 +86,13 @@ def align_rows(
     graph = build_graph(scores.model, [row.model_phones for row in rows])
     search = Search(graph, scores, costs)
     path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
-    return to_alignment(Judge(search, path, rows).judge(), rows, audio)
+    judged = Judge(search, path, rows, 0.0 if english else FOREIGN_ALLOWANCE).judge()
+    return to_alignment(judged, rows, audio, LEAST_SHARE if english else LEAST_SHARE_FOREIGN)
+
+
+def is_english(language: str) -> bool:
+    """Whether the ISO code is that of a kind of English, which the model knows."""
+    return language.split("-")[0] == "en"
 
 
 def spoken_rows(

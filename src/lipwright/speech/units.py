@@ -132,6 +132,10 @@ _OF_LANGUAGE: Final = MappingProxyType({
         ("cmn", "p", "B", "no breath after it: an English b"), ("cmn", "pʰ", "P", "put"),
         ("cmn", "t", "D", "no breath after it"), ("cmn", "tʰ", "T", "talk"),
         ("cmn", "k", "G", "no breath after it"), ("cmn", "kʰ", "K", "cut"),
+        ("cmn", "h", "HH|K|F|TH", "breath at the tongue's back"),
+        ("cmn", "x", "HH|K|F|TH", "the same"), ("cmn", "χ", "HH|K|F|TH", "the same"),
+        ("cmn", "tɕʰ", "T SH|S", "cheap, with a long hiss"),
+        ("cmn", "ʈʂʰ", "T SH|S", "the same, with the tongue curled"),
     )
 })  # fmt: skip
 
