@@ -7,7 +7,8 @@ from typing import Final
 
 from lipwright.language.english import tables
 from lipwright.language.english.numbers import cardinal, ordinal, year
-from lipwright.language.english.text import Reader, Token
+from lipwright.language.english.text import Reader
+from lipwright.language.tokens import Token
 
 _DATE: Final = re.compile(
     r"(?P<day>0?[1-9]|[12]\d|3[01])(?P<mark>[-/.])(?P<month>0?[1-9]|1[012])(?P=mark)"

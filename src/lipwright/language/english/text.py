@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Container
-from dataclasses import dataclass
 from typing import Final
 
 from lipwright.errors import LipwrightError
@@ -14,15 +13,9 @@ from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.english import tables
 from lipwright.language.english.amounts import magnitude_words, read_amount, unit_words
 from lipwright.language.english.numbers import digits, number
+from lipwright.language.tokens import EDGE, SIGNS, Token, is_letter, split_text, trim
 
-# "[laughs]", over several lines too, and the tags of marked-up text
-_UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")
 _AREA_CODE: Final = re.compile(r"\(\d{3}\)", re.ASCII)
-_EDGE: Final = '"()[]{}<>*_~|\\^`,;:!?'
-_SIGNS: Final = str.maketrans({
-    **dict.fromkeys("‘’‛ʼʻ`´′", "'"), **dict.fromkeys("“”„‟«»″", '"'), "⁄": "/",
-    **dict.fromkeys("‐‑‒–—―−﹣－", "-"), **dict.fromkeys("™®©", ""),
-})  # fmt: skip
 _MIXED: Final = re.compile(r"(?<=\d)(?=[¼-¾⅐-⅞])")  # between the 2 and the half of 2½
 _RUN: Final = re.compile(r"'?[A-Za-z]+(?:'[A-Za-z]+)*'?|\d[\d,]*(?:\.\d+)?|[^\sA-Za-z\d]")
 _INITIALS: Final = re.compile(r"(?:[A-Za-z]\.)+[A-Za-z]")
@@ -33,26 +26,9 @@ _ADDRESS: Final = re.compile(
 )
 _SCHEME: Final = re.compile(r"^\w+://")
 _AMOUNT: Final = re.compile(rf"[.'+-]*[{re.escape(''.join(tables.CURRENCIES))}]?\.?\d", re.ASCII)
-_LONGEST: Final = 500  # characters of a token; web addresses are the longest that are said
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
 _UNSPEAKABLE: Final = 4  # letters; longer ones without vowels are interjections
 _VOWELS: Final = frozenset("aeiouy")
-
-
-@dataclass(frozen=True)
-class Token:
-    """What stands between white space."""
-
-    written: str
-    line: int
-    column: int
-    core: str
-    """in ASCII letters and digits, without punctuation around it but for last dots"""
-
-    @property
-    def bare(self) -> str:
-        """The core without the dots at its end."""
-        return self.core.rstrip(".")
 
 
 class Reader:
@@ -83,28 +59,20 @@ class Reader:
         return tuple(words)
 
     def _tokens(self, text: str, source: str) -> list[Token]:
-        text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
         tokens = []
-        for line, content in enumerate(text.split("\n"), 1):
-            for found in re.finditer(r"\S+", content):
-                written, column = found[0], found.start() + 1
-                if len(written) > _LONGEST:
-                    raise LipwrightError(
-                        f"{source}: line {line}, column {column}: a word of {len(written)} "
-                        f"characters, more than {_LONGEST}; put spaces between words"
-                    )
-                if self._own(written):
-                    core = written
-                else:
-                    core = _trim(_to_ascii(written))
-                    _check_letters(written, core, f"{source}: line {line}", column)
-                tokens.append(Token(written, line, column, core))
+        for written, line, column in split_text(text, source):
+            if self._own(written):
+                core = written
+            else:
+                core = trim(_to_ascii(written), _AMOUNT.match)
+                _check_letters(written, core, f"{source}: line {line}", column)
+            tokens.append(Token(written, line, column, core))
         return tokens
 
     def _own(self, written: str) -> str | None:
         """The token, or the word in its punctuation, as the user's dictionary has it."""
-        plain = word_key(written.translate(_SIGNS))
-        for word in (plain, plain.strip(_EDGE), plain.strip(_EDGE + ".'")):
+        plain = word_key(written.translate(SIGNS))
+        for word in (plain, plain.strip(EDGE), plain.strip(EDGE + ".'")):
             if word in self._dictionary or word.removesuffix("'s") in self._dictionary:
                 return word
         return None
@@ -238,22 +206,14 @@ def _hash(runs: list[str], index: int) -> str:
 
 def _to_ascii(written: str) -> str:
     """The token with plain signs, digits and letters without accents."""
-    text = _MIXED.sub(" ", written.translate(_SIGNS))
-    text = unicodedata.normalize("NFKC", text).translate(_SIGNS).translate(tables.LETTERS)
+    text = _MIXED.sub(" ", written.translate(SIGNS))
+    text = unicodedata.normalize("NFKC", text).translate(SIGNS).translate(tables.LETTERS)
     text = unicodedata.normalize("NFKD", text)
     return "".join(
         str(unicodedata.decimal(char)) if char.isdecimal() else char
         for char in text
         if unicodedata.category(char) not in ("Mn", "Me", "Cf", "Cc", "Lm")
     )
-
-
-def _trim(core: str) -> str:
-    """The token without the punctuation around it; its last dots and its sign stay."""
-    core = core.strip(_EDGE)
-    while core != (inner := core.rstrip(_EDGE)) or (core.endswith((".'", '."')) and len(core) > 1):
-        core = inner[:-1] if core == inner else inner
-    return core if _AMOUNT.match(core) else core.lstrip(".-")
 
 
 def _check_letters(written: str, core: str, line: str, column: int) -> None:
@@ -270,4 +230,4 @@ def _check_letters(written: str, core: str, line: str, column: int) -> None:
 
 
 def _is_foreign(char: str) -> bool:
-    return not char.isascii() and unicodedata.category(char) in ("Lu", "Ll", "Lt", "Lo")
+    return not char.isascii() and is_letter(char)
