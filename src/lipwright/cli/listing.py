@@ -113,7 +113,7 @@ PARTS = (
     Part("recogniser", "hears recordings that come without words", _installed("hama"),
          "pip install lipwright"),
     Part("voice", "says English: lipwright say", _installed("hibari"), "pip install lipwright"),
-    Part("swedish", "pronounces Swedish", _installed("gruut_lang_sv", "pycrfsuite", "num2words"),
+    Part("swedish", "pronounces Swedish", _installed("gruut_lang_sv", "pycrfsuite"),
          "pip install lipwright"),
     Part("mandarin", "pronounces Mandarin characters", _installed("pypinyin"),
          "pip install lipwright"),
