@@ -163,7 +163,7 @@ SAID: Final = MappingProxyType({
 })  # fmt: skip
 
 TABLES: Final = Tables(
-    code="pt", name="Portuguese", package="gruut_lang_pt", lexicons=("",),
+    code="pt", name="Brazilian Portuguese", package="gruut_lang_pt", lexicons=("",),
     letters="áâãàéêíóôõúüç", sounds=SOUNDS, vowels="ieɛaɐɔouĩẽõũ", mends={"": _LEXICON},
     amounts=AMOUNTS, abbreviations=ABBREVIATIONS,
     symbols={"&": "e", "@": "arroba", "%": "por cento", "+": "mais", "=": "igual a", "°": "graus",
