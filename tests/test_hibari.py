@@ -113,6 +113,12 @@ def test_letters_are_spelt(voice: Voice) -> None:
     assert phones_of(track, "b") == ("B", "IY")
 
 
+def test_interjections_are_not_spelt(voice: Voice) -> None:
+    track = track_of(voice.speak((Piece("Shh, be quiet."),)))
+    assert phones_of(track, "shh")[0] == "SH"
+    assert len(phones_of(track, "shh")) <= 2
+
+
 @pytest.mark.parametrize("pause", [0.02, 0.25, 0.5, 3.0])
 def test_breaks_last_exactly(voice: Voice, pause: float) -> None:
     track = track_of(voice.speak((Piece("Hello", pause=pause), Piece("Bob."))))

@@ -24,6 +24,7 @@ G2P = Any
 
 # hibari's own limit of a line, `hibari.tts.MAX_PHONEMES`; the model never saw longer ones.
 MOST_LETTERS: Final = 400
+_VOWELS: Final = frozenset("aeiouyáàâäéèêëíìîïóòôöúùûü")
 _ENDS: Final = frozenset(".!?…")
 _MARKS: Final = re.compile(r"([,;:.!?…—–-]*)[\"'”’»)\]}*_]*$")
 _CORE: Final = re.compile(r"\w(?:.*\w)?", re.DOTALL)
@@ -150,8 +151,11 @@ def _items(piece: Piece, language: Language, source: str) -> Iterator[_Item]:
                 mark = _stop_of_abbreviation(content[found.end() :])
             for number, word in enumerate(spoken, 1):
                 as_read = _as_read(word, found[0], len(spoken), shouted)
-                yield _Item(word, as_read, mark if number == len(spoken) else "",
-                            emphasis=piece.emphasis)  # fmt: skip
+                phones: tuple[str, ...] = ()
+                if len(word) > 1 and not as_read.isupper() and not _VOWELS & set(word):
+                    phones = language.pronounce(word)[0].phones  # hibari would spell "shh"
+                yield _Item(word, as_read, mark if number == len(spoken) else "", phones,
+                            piece.emphasis)  # fmt: skip
         if not content.strip():
             yield _Item("", "", ".")  # an empty line ends a paragraph
 
