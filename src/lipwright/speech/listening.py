@@ -27,7 +27,8 @@ LEARNT: Final = frozenset(("en", "en-gb", "ko"))
 _READ: Final = 0.15  # share of the work that is done once the sound is read
 _CONTEXT: Final = 0.3  # s of sound on both sides of a piece that the network hears with it
 _DEAD_DB: Final = 14.0  # dB of mel power, about -90 dB of full scale: nothing was recorded
-_APART: Final = 0.1  # s between speech and what is no speech
+_APART: Final = 0.25  # s before a phone's time at which it surely has not begun
+_REST: Final = 1.0  # s between two utterances that are placed apart
 _LONGEST_STRETCH: Final = 20.0  # s that are placed at once
 _UNSURE: Final = 0.6  # confidence under which the user is told to look
 _OTHER: Final = 2.0  # s of sound without speech that are worth a line
@@ -136,11 +137,12 @@ def _stretches(
     for index, utterance in enumerate(said):
         after = said[index + 1].start if index + 1 < len(said) else duration
         if not utterance.is_speech:
-            start = min(utterance.end + _APART, after)
+            start = max(min(utterance.end + _APART, after - _APART), start)
             continue
         words += utterance.words()
         follows = index + 1 < len(said) and said[index + 1].is_speech
-        if not follows or after - start > _LONGEST_STRETCH:
+        apart = after - utterance.end > _REST or after - start > _LONGEST_STRETCH
+        if apart or not follows:
             stop = duration if index + 1 == len(said) else max(after - _APART, utterance.end)
             yield start, stop, words
             start, words = stop, []
