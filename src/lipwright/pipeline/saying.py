@@ -12,7 +12,7 @@ from lipwright.export.rigged import for_rig
 from lipwright.pipeline.motion import animate_track
 from lipwright.pipeline.options import AnimateOptions, PathLike, Report, quiet
 from lipwright.pipeline.values import Result
-from lipwright.pipeline.words import language_of
+from lipwright.pipeline.words import AUTO, language_of
 from lipwright.speech.voices import MAX_RATE, MIN_RATE, Script, find_voice, read_script, speak
 
 MOST_CHARACTERS: Final = 50_000  # an hour of speech; its curves take 100 MB
@@ -73,11 +73,10 @@ def say(
             f"{text_source}: {len(text)} characters, more than the {MOST_CHARACTERS} that are said "
             "at once; split the text"
         )
-    script = _at_rate(read_script(text, text_source), voice.rate)
+    known = None if voice.language in (None, AUTO) else language_of(voice.language or "", "", "")
+    script = _at_rate(read_script(text, text_source, known), voice.rate)
     words = " ".join(piece.text for piece in script)
-    language = None
-    if voice.language is not None:
-        language = language_of(voice.language, words, text_source)
+    language = language_of(AUTO, words, text_source) if voice.language == AUTO else known
     speaker = find_voice(voice.voice, language)
     notes = _misgivings(words, speaker.info.language or language or "en", text_source)
     dictionary = None if voice.dictionary is None else Path(voice.dictionary)

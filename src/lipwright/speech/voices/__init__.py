@@ -104,15 +104,20 @@ def find_voice(name: str | None = None, language: str | None = None) -> Voice:
     return found
 
 
-def read_script(text: str, source: str = "text") -> Script:
+def read_script(text: str, source: str = "text", language: str | None = None) -> Script:
     """Plain text, or SSML that begins with <speak, as a script; see `ssml.read_script`.
+
+    Args:
+        text: what is said.
+        source: its name in errors.
+        language: ISO code, by which dates and ordinals of SSML are read.
 
     Raises:
         LipwrightError: the text has nothing to say, or the SSML cannot be used.
     """
     from lipwright.speech.voices.ssml import read_script as read
 
-    return read(text, source)
+    return read(text, source, language)
 
 
 def speak(
