@@ -221,9 +221,15 @@ def test_repeated_rows_are_one_phone_and_nothing_parts_equal_phones() -> None:
 
 
 def test_lips_do_not_shut_where_that_is_unlikely() -> None:
-    assert [p.symbol for p in decode(np.stack([row(M=0.39, N=0.3)]))] == ["N"]
-    assert [p.symbol for p in decode(np.stack([row(M=0.41, N=0.3)]))] == ["M"]
-    assert decode(np.stack([row(M=0.39, nothing=0.3)])) == []
+    assert [p.symbol for p in decode(np.stack([row(M=0.44, N=0.3)]))] == ["N"]
+    assert [p.symbol for p in decode(np.stack([row(M=0.46, N=0.3)]))] == ["M"]
+    assert decode(np.stack([row(M=0.44, nothing=0.3)])) == []
+
+
+def test_a_closure_counts_whichever_of_p_b_and_m_it_is() -> None:
+    found = decode(np.stack([row(P=0.25, B=0.3, nothing=0.4)]))
+    assert [p.symbol for p in found] == ["B"]
+    assert found[0].probability == pytest.approx(0.55, abs=1e-4)
 
 
 def timed(*phones: tuple[str, float, float]) -> list[TimedPhone]:
