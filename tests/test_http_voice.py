@@ -359,6 +359,22 @@ def test_a_password_in_the_address_is_refused_and_not_shown() -> None:
     assert "hunter2" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "address",
+    [
+        "http://me:hunter2@voices.example:bad/",
+        "http://me:hunter2/x@voices.example/",
+        "HTTPS://me:hunter2@voices.example/",
+        "http:///say?key=hunter2",
+        "http://[::1/?key=hunter2",
+    ],
+)
+def test_secrets_of_what_is_no_address_are_not_shown(address: str) -> None:
+    with pytest.raises(LipwrightError, match="address") as caught:
+        find_voice(address)
+    assert "hunter2" not in str(caught.value)
+
+
 def test_the_name_of_a_voice_hides_the_query() -> None:
     assert find_voice("https://v.example/say?key=1#Anna").info.name == "https://v.example/say#Anna"
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lipwright.audio import Audio, read_audio, write_wav, written_by
+from lipwright.cli.inputs import read_text
 from lipwright.cli.saying import _stem
 from lipwright.controls import CANONICAL
 from lipwright.errors import LipwrightError
@@ -189,6 +190,22 @@ def test_a_missing_back_end_names_the_command_that_installs_it(
     monkeypatch.setattr(type(espeak.back_end()), "is_available", lambda self: False)
     with pytest.raises(LipwrightError, match=r"espeak is not installed; run: pip install"):
         find_voice(None, "sv")
+
+
+@pytest.mark.parametrize("name", ["hibari", "Hibari:heart", "HIBARI"])
+def test_capitals_of_a_voices_kind_do_not_matter(name: str) -> None:
+    assert find_voice(name).info.name == "hibari:heart"
+
+
+@pytest.mark.parametrize("text", ["and/or", "1/0", "https://example.org/a?b", "...yes", "a/b.c"])
+def test_words_with_slashes_are_no_files(text: str) -> None:
+    assert read_text(text) == (text, "--text")
+
+
+@pytest.mark.parametrize("path", ["none/hello.txt", "./hello", "../none/hello", "/none/x", "~/x"])
+def test_paths_of_no_file_are_refused(path: str) -> None:
+    with pytest.raises(LipwrightError, match="no such file"):
+        read_text(path)
 
 
 @needs_espeak

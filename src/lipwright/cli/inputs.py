@@ -81,8 +81,19 @@ def _decode(data: bytes, name: str) -> str:
 
 
 def _looks_like_file(text: str) -> bool:
-    """Whether `text` was meant as a path: one word with a folder or a text file's suffix."""
-    return len(text.split()) == 1 and (os.sep in text or Path(text).suffix in _TEXT_SUFFIXES)
+    """Whether `text` was meant as a path: one word with a folder or a text file's suffix.
+
+    "and/or", "1/0" and "https://example.org" are words.
+    """
+    if len(text.split()) != 1 or "://" in text:
+        return False
+    path = Path(text)
+    if path.suffix in _TEXT_SUFFIXES or text.startswith((os.sep, "./", "../", "~/")):
+        return True
+    try:
+        return os.sep in text and path.parent.is_dir()
+    except (OSError, ValueError):  # no such name can be
+        return False
 
 
 def read_text(text: str) -> tuple[str, str]:

@@ -62,7 +62,7 @@ def get_back_end(name: str) -> VoiceBackEnd:
         LipwrightError: there is none.
     """
     if name not in BACK_ENDS:
-        raise LipwrightError(f"unknown voice {name!r}; {_known()}")
+        raise LipwrightError(f"unknown voice {name[:60]!r}; {_known()}")
     return cast(VoiceBackEnd, import_module(BACK_ENDS[name]).back_end())
 
 
@@ -89,9 +89,9 @@ def find_voice(name: str | None = None, language: str | None = None) -> Voice:
     """
     if not name:
         name = _DEFAULTS.get(language or "en", _OTHERWISE)
-    server = name.startswith(("http://", "https://"))
+    server = name.casefold().startswith(("http://", "https://"))
     kind, _, voice = ("http", "", name) if server else name.partition(":")
-    back_end = get_back_end(kind)
+    back_end = get_back_end(kind.casefold())
     if not back_end.is_available():
         raise LipwrightError(f"the voice {name} is not installed; run: {back_end.remedy()}")
     found = back_end.open(voice, language)

@@ -64,9 +64,14 @@ def read_address(text: str) -> Address:
         parts = urllib.parse.urlsplit(text)
         host, _ = parts.hostname, parts.port
     except ValueError as error:
-        raise LipwrightError(f"the voice {text[:80]!a} is no address ({error}); {remedy}") from None
+        reason = "" if "@" in text else f" ({error})"  # which may quote a password
+        raise LipwrightError(
+            f"the voice {_without_secrets(text)!a} is no address{reason}; {remedy}"
+        ) from None
     if parts.scheme not in ("http", "https") or not host:
-        raise LipwrightError(f"the voice {text[:80]!a} is not the address of a server; {remedy}")
+        raise LipwrightError(
+            f"the voice {_without_secrets(text)!a} is not the address of a server; {remedy}"
+        )
     if "@" in parts.netloc:
         raise LipwrightError(
             f"the voice {parts.scheme}://...@{host}: has a password in its address; put a token "
@@ -76,9 +81,17 @@ def read_address(text: str) -> Address:
     query = urllib.parse.quote(parts.query, safe="/%:@!$&'()*+,;=~-._?")
     url = urllib.parse.urlunsplit((parts.scheme, parts.netloc, path, query, ""))
     if not url.isascii() or any(char <= " " for char in url):
-        raise LipwrightError(f"the voice {text[:80]!a} is not the address of a server; {remedy}")
+        raise LipwrightError(
+            f"the voice {_without_secrets(text)!a} is not the address of a server; {remedy}"
+        )
     shown = urllib.parse.urlunsplit((parts.scheme, parts.netloc, path, "", ""))
     return Address(url, urllib.parse.unquote(parts.fragment), shown)
+
+
+def _without_secrets(text: str) -> str:
+    """What is no address, as it is printed: without a password, or a query that may hold a key."""
+    start, mark, rest = text.partition("?")[0].partition("://")
+    return f"{start}{mark}{'...@' if '@' in rest else ''}{rest.rpartition('@')[2]}"[:80]
 
 
 def post(address: Address, request: Mapping[str, object]) -> Any:
