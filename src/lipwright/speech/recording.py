@@ -15,6 +15,7 @@ from lipwright.speech.features import (
     cepstra,
     spectra_of,
 )
+from lipwright.speech.held import frame_weights
 from lipwright.speech.silence import speech_frames, speech_level
 
 if TYPE_CHECKING:
@@ -87,12 +88,13 @@ def _without_noise(power: Floats) -> Floats:
 
 
 def _speech_mean(static: Floats, active: npt.NDArray[np.bool_]) -> Floats:
-    """(T, 13) mean of the cepstra of speech around each frame."""
+    """(T, 13) mean of the cepstra of speech around each frame; a held vowel is no usual speech."""
     if not active.any():
         return np.zeros_like(static)
+    share = active * frame_weights(static - static[active].mean(axis=0))
     total = np.zeros((len(static) + 1, static.shape[1]))
-    np.cumsum(np.where(active[:, None], static, 0), axis=0, out=total[1:], dtype=np.float64)
-    count = np.concatenate([[0], np.cumsum(active)])
+    np.cumsum(static * share[:, None], axis=0, out=total[1:], dtype=np.float64)
+    count = np.concatenate([[0], np.cumsum(share, dtype=np.float64)])
     centres = np.arange(0, len(static) + _MEAN_STEP * FRAME_RATE, _MEAN_STEP * FRAME_RATE)
     low = np.clip(centres - _MEAN_REACH * FRAME_RATE, 0, len(static)).astype(int)
     high = np.clip(centres + _MEAN_REACH * FRAME_RATE, 0, len(static)).astype(int)

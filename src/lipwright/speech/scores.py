@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from lipwright.speech.acoustic import AcousticModel
 from lipwright.speech.features import Floats, with_differences
+from lipwright.speech.held import frame_weights
 
 _AT_ONCE: Final = 300  # frames
 LOOP_COST: Final = 3.7  # nats to go on to another phone, log 42: all are as likely
@@ -57,6 +58,8 @@ class Scores:
         """`static` are cepstra (T, 13) with their mean taken off."""
         self.model = model
         self._static = static
+        self.weights = frame_weights(static)
+        """(T,) how much each frame counts in a search; less where a sound is held for long"""
         self._loop = PhoneLoop(model)
         self._gains = np.empty(len(static), np.float32)
         self._known = 0  # frames whose gain is known

@@ -247,6 +247,8 @@ class _Reach:
         spoken = senones[senones != ANY_SPEECH]
         ratios = np.full((stop - start, len(senones)), -search.costs.other, np.float32)
         ratios[:, len(senones) - len(spoken) :] = _ratios(search, start, stop, spoken)
+        weights = search.scores.weights[start:stop, None]
+        ratios *= weights
         n_frames, n_nodes, n_hubs = len(ratios), self.high - self.low, len(self.at_hub)
         arrived = np.empty((n_frames, 3, n_nodes), np.bool_)
         choices = np.empty((n_frames, len(self._choosers)), np.uint8)
@@ -271,7 +273,7 @@ class _Reach:
             entries[self._choosers] = several[choosers, which]
             np.subtract(entries, cost, out=arrive[0])
             arrive[1:] = left[:2]
-            states = states + stay
+            states = states + stay * weights[frame]
             np.greater(arrive, states, out=arrived[frame])
             np.maximum(arrive, states, out=states)
             states += ratios[frame][columns]

@@ -92,7 +92,7 @@ def align_rows(
 
 def is_english(language: str) -> bool:
     """Whether the ISO code is that of a kind of English, which the model knows."""
-    return language.split("-")[0] == "en"
+    return language.split("-", maxsplit=1)[0] == "en"
 
 
 def spoken_rows(
