@@ -96,6 +96,16 @@ def read(path: Path, duration: float | None = None) -> PhoneTrack:
         LipwrightError: the file is no TextGrid in text form, has no phone tier, or its phones
             leave gaps, overlap, are unknown or run past `duration` s.
     """
+    phones, words = read_intervals(path)
+    return intervals_to_track(path, phones, JOINT, words=words, duration=duration)
+
+
+def read_intervals(path: Path) -> tuple[list[Interval], list[Interval]]:
+    """The phones and the words of a TextGrid, as labelled; without a word tier, no words.
+
+    Raises:
+        LipwrightError: the file is no TextGrid in text form or has no phone tier.
+    """
     content = read_bytes(path)
     if content.startswith(b"ooBinaryFile"):
         raise LipwrightError(
@@ -110,13 +120,7 @@ def read(path: Path, duration: float | None = None) -> PhoneTrack:
     ]  # fmt: skip
     if not phones.intervals:
         raise LipwrightError(f"{path}: tier {phones.name!r} is empty; align the sound again")
-    return intervals_to_track(
-        path,
-        phones.intervals,
-        JOINT,
-        words=words[0].intervals if words else (),
-        duration=duration,
-    )
+    return phones.intervals, words[0].intervals if words else []
 
 
 def _read_tiers(tokens: _Tokens) -> Iterator[_Tier]:
