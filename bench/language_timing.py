@@ -28,9 +28,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from alignment import Labelled, match_phones, summarize
+from alignment import CORPORA, Labelled, match_phones, read_reference, summarize
 from lipwright import espeak
-from lipwright.audio import Audio
+from lipwright.audio import Audio, open_audio
 from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, SpokenWord, get_language
 from lipwright.language.ipa import read_ipa
@@ -292,6 +292,50 @@ def bench_warping(language: str) -> Figures:
     return figures
 
 
+def bench_people(folder: Path, voice: str = "en-gb") -> Figures:
+    """The hand-labelled English sentences, with the times of a voice warped to them."""
+    figures = Figures([], defaultdict(list))
+    for path in sorted(folder.glob("*.flac")):
+        said = say(path.with_suffix(".txt").read_text(encoding="utf-8"), voice)
+        with open_audio(path, rate=16000) as file:
+            rows = _features(file.read(0, file.duration))
+        starts = [sound.start for sound in said.sounds]
+        moved = move_times(starts, warp(_features(said.audio), rows), FRAME_RATE)
+        match = match_phones(
+            read_reference(path.with_suffix(".tsv")),
+            [Labelled(s.phone, t) for s, t in zip(said.sounds, moved, strict=True)],
+        )
+        figures.phones += len(match.errors) + len(match.reference_unmatched)
+        figures.unmatched += len(match.reference_unmatched)
+        figures.errors += match.errors[~np.isnan(match.errors)].tolist()
+    return figures
+
+
+def bench_hibari() -> tuple[Figures, Figures]:
+    """The English sentences by hibari, whose times are its own: aligned, and warped to."""
+    from lipwright.speech.voices.hibari import HibariBackEnd
+    from lipwright.speech.voices.values import Piece
+
+    voice = HibariBackEnd().open("", None)
+    aligned, warped = Figures([], defaultdict(list)), Figures([], defaultdict(list))
+    for text in TEXTS["en"]:
+        said = voice.speak((Piece(text),))
+        assert said.track is not None
+        truth = [Heard(p, p, start, 0) for p, start, _ in said.track if p != "sil"]
+        add_errors(aligned, truth, align(said.audio, get_language("en").normalize(text)))
+        other = say(text, VOICES["en"])
+        beside = warp(_features(other.audio), _features(said.audio))
+        moved = move_times([sound.start for sound in other.sounds], beside, FRAME_RATE)
+        match = match_phones(
+            [Labelled(sound.phone, sound.start) for sound in truth],
+            [Labelled(s.phone, t) for s, t in zip(other.sounds, moved, strict=True)],
+        )
+        warped.phones += len(truth)
+        warped.unmatched += len(match.reference_unmatched)
+        warped.errors += match.errors[~np.isnan(match.errors)].tolist()
+    return aligned, warped
+
+
 def _features(audio: Audio) -> npt.NDArray[np.float32]:
     """Cepstra (T, 13), each as wide as the others."""
     static = static_features(spectra(audio))
@@ -363,6 +407,10 @@ def main() -> None:
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table here")
     options = parser.parse_args()
     rows = {}
+    if options.warping:
+        for name, figures in zip(("", ", warping"), bench_hibari(), strict=True):
+            rows[f"hibari{name}"] = figures.row()
+        rows["people, warping"] = bench_people(CORPORA / "aligned-phones").row()
     for language in options.languages.split(","):
         if options.warping:
             rows[f"{language}, warping"] = bench_warping(language).row()

@@ -6,8 +6,10 @@ frame of one sounds like which of the other (Sakoe and Chiba 1978, symmetric for
 constraint). The way is searched in a band around a coarse one (as FastDTW, Salvador and Chan 2007),
 so that memory grows with the length of the longer recording, not with its square.
 
-The aligner does not use it: in every language of docs/alignment.md the acoustic model's units find
-edges better. It is what that comparison is made with.
+The aligner does not use it. From one voice of espeak-ng to another it finds edges within 4 ms, as
+both have the same formants; to people, and to voices of another make, it errs by 30 to 50 ms where
+the units of the acoustic model err by 10 (docs/alignment.md). It is kept as what they are measured
+against.
 """
 
 from __future__ import annotations
