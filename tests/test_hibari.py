@@ -113,6 +113,11 @@ def test_letters_are_spelt(voice: Voice) -> None:
     assert phones_of(track, "b") == ("B", "IY")
 
 
+def test_words_beside_tags_are_said(voice: Voice) -> None:
+    track = track_of(voice.speak((Piece("<i>Now</i> go<br>home."),)))
+    assert [word.text for word in track.words] == ["now", "go", "home"]
+
+
 def test_interjections_are_not_spelt(voice: Voice) -> None:
     track = track_of(voice.speak((Piece("Shh, be quiet."),)))
     assert phones_of(track, "shh")[0] == "SH"

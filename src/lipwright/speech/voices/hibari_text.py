@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -123,9 +124,9 @@ def _runs(script: Script, language: Language, source: str) -> tuple[float, list[
 
 def _items(piece: Piece, language: Language, source: str) -> Iterator[_Item]:
     if piece.phones:
-        words = piece.text.split()
-        mark = _mark(words[-1]) if words else ""
-        name = "-".join(found[0] for word in words if (found := _CORE.search(word)))
+        written = piece.text.split()
+        mark = _mark(written[-1]) if written else ""
+        name = "-".join(found[0] for word in written if (found := _CORE.search(word)))
         yield _Item(name, name, mark, piece.phones, piece.emphasis)
         return
     if not any(char.isalnum() for char in piece.text):
@@ -133,15 +134,15 @@ def _items(piece: Piece, language: Language, source: str) -> Iterator[_Item]:
         return
     # White space before it puts the piece where it stands in the source, for errors.
     text = "\n" * (piece.line - 1) + " " * (piece.column - 1) + piece.text
-    tokens: dict[tuple[int, int], list[str]] = {}
-    for said in language.normalize(text, source):
-        tokens.setdefault((said.line, said.column), []).append(said.text)
+    words = deque(language.normalize(text, source))
     shouted = not any(char.islower() for char in piece.text)
     for line, content in enumerate(text.split("\n"), 1):
         for found in re.finditer(r"\S+", content):
-            spoken = tokens.get((line, found.start() + 1))
+            spoken: list[str] = []
+            while words and (words[0].line, words[0].column) <= (line, found.end()):
+                spoken.append(words.popleft().text)
             mark = _mark(found[0])
-            if spoken is None:
+            if not spoken:
                 if not any(char.isalnum() for char in found[0]):
                     yield _Item("", "", mark)
                 continue
