@@ -15,6 +15,7 @@ from lipwright.errors import LipwrightError
 from lipwright.formats.intervals import Interval
 from lipwright.language.base import Pronunciation
 from lipwright.language.ipa import read_ipa
+from lipwright.streams.labels import is_english
 from lipwright.streams.saying import Said, give_room, span_intervals
 from lipwright.streams.source import (
     Fields,
@@ -100,9 +101,8 @@ def _timed(path: Path, fields: Fields, text: str, place: str, before: list[Timed
 
 def _read_phonemes(letters: str, language: str) -> Pronunciation | None:
     """The phones of a word, or None where they are not such letters."""
-    english = language.partition("-")[0] == "en"
     try:
-        sounds = read_ipa(letters.translate(MISAKI) if english else letters, language)
+        sounds = read_ipa(letters.translate(MISAKI) if is_english(language) else letters, language)
     except LipwrightError:
         return None
     if not sounds:

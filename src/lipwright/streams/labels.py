@@ -24,9 +24,11 @@ _ENDS: Final = {"j": "ɪ", "w": "ʊ"}
 def read_labels(
     phones: Sequence[Timed], language: str, *, silent: bool = False
 ) -> list[Interval] | None:
-    """Phones of the table for labels that are all ARPABET (or SAPI), or else all IPA.
+    """Phones of the table for labels that are all ARPABET (or SAPI) or all IPA.
 
-    A label of several phones is shared among them by their usual durations.
+    "y" is a consonant in one and a vowel in the other: in English files ARPABET is tried first, in
+    others IPA, of which upper-case ARPABET is none. A label of several phones is shared
+    among them by their usual durations.
 
     Args:
         phones: with ends.
@@ -36,12 +38,18 @@ def read_labels(
     Returns:
         Intervals in ARPABET with stress, or None where a label is neither.
     """
-    for names in (_arpabet, _ipa):
+    english = is_english(language)
+    for names in (_arpabet, _ipa) if english else (_ipa, _arpabet):
         try:
             return [one for phone in phones for one in _shared(phone, names, language, silent)]
         except LipwrightError:
             continue
     return None
+
+
+def is_english(language: str) -> bool:
+    """Whether a code is that of English, of any country."""
+    return language.partition("-")[0].casefold() == "en"
 
 
 def is_arpabet(label: str) -> bool:

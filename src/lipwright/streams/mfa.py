@@ -17,7 +17,7 @@ from lipwright.errors import LipwrightError
 from lipwright.formats import textgrid
 from lipwright.formats.intervals import Interval, Joint, intervals_to_track, unknown_labels
 from lipwright.phones import is_silence_label
-from lipwright.streams.labels import ipa_sounds, is_arpabet, read_labels
+from lipwright.streams.labels import ipa_sounds, is_arpabet, is_english, read_labels
 from lipwright.streams.source import brief, fields_of, list_of, read_content, seconds_of
 from lipwright.streams.times import Timed, mend
 from lipwright.track import PhoneTrack
@@ -127,8 +127,8 @@ def read_textgrid(path: Path, language: str, duration: float | None = None) -> P
     """
     phones, words = textgrid.read_intervals(path)
     labels = {phone.label for phone in phones}
-    own = not unknown_labels(labels, "arpabet") or (
-        language.partition("-")[0] == "en" and not unknown_labels(labels, "ipa")
+    own = is_english(language) and not (
+        unknown_labels(labels, "arpabet") and unknown_labels(labels, "ipa")
     )
     if own or not all(_is_ipa(label, language) for label in labels):
         return textgrid.read(path, duration)
