@@ -21,6 +21,7 @@ SEPARATOR: Final = "|"
 _TONAL: Final = frozenset({"cmn", "yue", "hak", "th", "shn", "my", "vi"})
 # Languages that write aspiration as "h": those of them that aspirate, and Korean, Oriya, Tswana.
 _ASPIRATES: Final = frozenset({"cmn", "yue", "hak", "th", "shn", "my", "ko", "or", "tn"})
+_WRITE_NG: Final = frozenset({"yue", "my"})  # "nɡ" for ŋ, of which `espeak` mends some
 _TONE_3: Final = re.compile("ɜ(?!ː)")  # the vowel of English "bird" is always long here
 _ASPIRATION: Final = re.compile("(?<=[ptkscʂɕ])_?h")
 # Thai and Shan write the mnemonic "k_h", which a separator may part.
@@ -39,9 +40,9 @@ _VIETNAMESE: Final = MappingProxyType({
     "u-": "ɯ", "o-": "əː", "cr": "ʈ", "e-": "e",  # tƯ, mƠ, TRe
 })  # fmt: skip
 _CANTONESE: Final = MappingProxyType({
-    "aa": "aː", "aai": "aːi", "aau": "aːu", "aanɡ": "aːŋ", "anɡ": "aŋ", "enɡ": "ɛŋ", "inɡ": "ɪŋ",
-    "onɡ": "ɔŋ", "unɡ": "ʊŋ", "oenɡ": "œŋ", "oe": "œ", "eo": "ɵ", "eoi": "ɵy", "yu": "y",
-    "nɡ": "ŋ", "c": "tsʰ", "z": "ts",  # Ceoi and Zoeng of jyutping
+    "aa": "aː", "aai": "aːi", "aau": "aːu", "aaŋ": "aːŋ", "eŋ": "ɛŋ", "iŋ": "ɪŋ", "oŋ": "ɔŋ",
+    "uŋ": "ʊŋ", "oeŋ": "œŋ", "oe": "œ", "eo": "ɵ", "eoi": "ɵy", "yu": "y",
+    "c": "tsʰ", "z": "ts",  # Ceoi and Zoeng of jyutping
 })  # fmt: skip
 # The palatal stops of India are said, and seen, as affricates: CHai, Jaya; of Swahili: moJa.
 _AFFRICATES: Final = MappingProxyType({"c": "tʃ", "cʰ": "tʃʰ", "ɟ": "dʒ", "ɟʰ": "dʒʰ"})
@@ -54,7 +55,7 @@ _WHOLE: Final = MappingProxyType({
     "cmn": MappingProxyType({"i.": "ʅ", "i̪": "ɿ", "o-": "ɤ", "ər": "ɚ"}),
     "hak": MappingProxyType({"i.": "i", "o-": "ɔ"}),
     "yue": _CANTONESE,
-    "my": MappingProxyType({"hs": "sʰ", "ht": "tʰ", "ky": "tɕ", "nɡ": "ŋ"}),
+    "my": MappingProxyType({"hs": "sʰ", "ht": "tʰ", "ky": "tɕ"}),
     "ky": MappingProxyType({"oe": "ø", "oe:": "øː"}),
     "sv": MappingProxyType({"sx": "ɧ"}),
     "vi": _VIETNAMESE,
@@ -96,6 +97,8 @@ def _plain(token: str, language: str) -> str:
         token = _TONE_3.sub("", token)
     if language == "da":
         token = _STOD.sub("", token)
+    if language in _WRITE_NG:
+        token = token.replace("nɡ", "ŋ")
     token = _WHOLE[language].get(token, token) if language in _WHOLE else token
     if language in ("cmn", "hak"):
         token = _GLIDING.sub(lambda found: _GLIDES[found[0]], token)

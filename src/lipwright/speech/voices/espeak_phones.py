@@ -15,7 +15,7 @@ from typing import Final
 
 from lipwright.errors import LipwrightError
 from lipwright.espeak import speak
-from lipwright.language.ipa import read_ipa
+from lipwright.language.espeak_ipa import read_espeak
 from lipwright.phones import PHONES, SILENCE, nearest_phones
 
 # As in phsource/phonemes and the files of the languages of espeak-ng 1.52.
@@ -46,7 +46,7 @@ def _heard(mnemonic: str, is_vowel: bool, voice: str) -> tuple[str, ...]:
     labels = [event.label for event in events if event.label]
     own = labels[1:] if is_vowel else labels[:-1]
     try:
-        return tuple(sound.phone for label in own for sound in read_ipa(label))
+        return tuple(sound.phone for label in own for sound in read_espeak(label, voice))
     except LipwrightError:  # a label that is no IPA
         return ()
 

@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from lipwright.errors import LipwrightError
 from lipwright.espeak import Speech, words_to_ipa
-from lipwright.language.ipa import Sound, read_ipa
+from lipwright.language.espeak_ipa import read_espeak
+from lipwright.language.ipa import Sound
 from lipwright.phones import PHONES, SILENCE
 from lipwright.speech.voices.espeak_text import SaidText, bare_word
 from lipwright.speech.voices.timeline import Stretch, Timed
@@ -52,7 +53,7 @@ def to_stretch(speech: Speech, text: SaidText, code: str) -> Stretch:
     words, owner = _words(speech, text)
     timed: list[Timed] = []
     for index, event in enumerate(speech.phones):
-        sounds = _sounds(event.label)
+        sounds = _sounds(event.label, code)
         word = owner.get(event.position)
         start, stop = heard.start(index), heard.start(index + 1)
         if not sounds:
@@ -100,14 +101,14 @@ class _Heard:
         return max(shut, 0)
 
 
-def _sounds(label: str) -> tuple[Sound, ...]:
+def _sounds(label: str, code: str) -> tuple[Sound, ...]:
     try:
-        return read_ipa(label)
+        return read_espeak(label, code)
     except LipwrightError:  # a mnemonic that is not IPA: its letters that are
         found: list[Sound] = []
         for letter in label:
             try:
-                found += read_ipa(letter)
+                found += read_espeak(letter, code)
             except LipwrightError:
                 continue
         return tuple(found)
@@ -169,7 +170,7 @@ def _parted(timed: list[Timed], text: SaidText, code: str) -> list[Timed]:
         if min(following, last) > word + 1
     ]
     words = [text.words[word] for group in together for word in group]
-    counts = iter([len(_sounds(ipa)) for ipa in words_to_ipa(words, code)] if words else [])
+    counts = iter([len(_sounds(ipa, code)) for ipa in words_to_ipa(words, code)] if words else [])
     for group in together:
         owners = [word for word in group for _ in range(next(counts))]
         places = [index for index, one in enumerate(timed) if one.word == group[0]]

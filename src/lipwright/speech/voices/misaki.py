@@ -23,7 +23,7 @@ _ROWS: Final[tuple[tuple[str, str, str], ...]] = (
     ("A", "EY", "AtE"), ("I", "AY", "bIte"), ("O", "OW", "gO"), ("Q", "OW", "gO (Br.)"),
     ("W", "AW", "fOUl"), ("Y", "OY", "tOY"),
     ("a", "AE", "cAt (Br.)"), ("i", "IY", "fEEl"), ("u", "UW", "tOO"), ("ɑ", "AA", "fAther"),
-    ("ɒ", "AA", "dOg (Br.)"), ("æ", "AE", "cAt"), ("ə", "AX", "Ago"),
+    ("ɒ", "AO", "dOg (Br.)"), ("æ", "AE", "cAt"), ("ə", "AX", "Ago"),
     ("ɐ", "AX", "A (the article)"), ("ᵊ", "AX", "bottlE"), ("ɔ", "AO", "dOg"),
     ("ɛ", "EH", "pEt"), ("ɜ", "ER", "fUR (Br.)"), ("ɪ", "IH", "fIll"),
     ("ᵻ", "IX", "boxEs"), ("ʊ", "UH", "bOOk"), ("ʌ", "AH", "cUt"),

@@ -16,7 +16,8 @@ from typing import Final, Literal
 
 from lipwright import espeak
 from lipwright.errors import LipwrightError
-from lipwright.language.ipa import Sound, read_ipa
+from lipwright.language.espeak_ipa import read_espeak
+from lipwright.language.ipa import Sound
 from lipwright.phones import PHONES, SILENCE, nearest_phones
 from lipwright.speech.voices.espeak_text import bare_word
 from lipwright.speech.voices.piper_config import BEGIN, END, PAD, SPACE, PiperConfig
@@ -93,6 +94,7 @@ class _Marks:
 
     def __init__(self, config: PiperConfig) -> None:
         self._ids, self._clusters = config.ids, config.clusters
+        self._language = config.espeak_voice
         self.begin = Unit("edge", (*config.ids[BEGIN], *config.ids[PAD]))
         self.end = Unit("edge", config.ids[END])
         self.space = Unit("space", self._numbers([SPACE]))
@@ -125,7 +127,7 @@ class _Marks:
             else:
                 merged.append(letter)
         try:
-            sounds = read_ipa(ipa)
+            sounds = read_espeak(ipa, self._language)
         except LipwrightError:  # a mnemonic that is no IPA
             sounds = ()
         return Unit("sounds", self._numbers(merged), sounds, word)
