@@ -40,7 +40,7 @@ from lipwright.speech.fit import SpokenRow
 from lipwright.speech.recording import spectra, static_features
 from lipwright.speech.sphinx import align_rows, is_english
 from lipwright.speech.units import all_units
-from lipwright.speech.warping import move_times, warp
+from warping import move_times, warp
 
 VARIANTS = (("", 175), ("+f2", 195), ("+m3", 150))  # of timbre, and words a minute
 SILENT = 1e-3  # full scale is 1; espeak-ng's closures are zeros

@@ -1,11 +1,20 @@
 """Dynamic time warping: planted warps, laws, and a plain second implementation."""
 
+import importlib.util
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lipwright.speech.warping import move_times, warp
+BENCH = Path(__file__).resolve().parents[1] / "bench" / "warping.py"
+SPEC = importlib.util.spec_from_file_location("warping", BENCH)
+assert SPEC is not None
+assert SPEC.loader is not None
+warping = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(warping)
+move_times, warp = warping.move_times, warping.warp
 
 
 def walk(count, seed=0):
