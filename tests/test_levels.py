@@ -22,7 +22,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
         frozenset,
         (
             ("errors", "version"),
-            ("files", "lock", "npz", "phones", "controls"),
+            ("files", "lock", "npz", "onnx_bytes", "phones", "controls"),
             ("wheels", "decode", "espeak"),
             ("audio", "track", "clip", "curves"),
             ("formats", "language", "face", "keys"),

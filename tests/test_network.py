@@ -24,7 +24,7 @@ from onnx import TensorProto, helper, numpy_helper
 from lipwright.errors import LipwrightError
 from lipwright.features import FeatureSet
 from lipwright.network import ModelMeta, check_golden, load_network, shipped_models
-from lipwright.network.external import has_external_data
+from lipwright.onnx_bytes import has_external_data
 from planted import (
     FEATURES,
     PHONES,

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.errors import LipwrightError
-from lipwright.network.external import has_external_data
 from lipwright.network.folder import REMEDY, PathLike, find_model, read_hashed, read_meta
 from lipwright.network.meta import GOLDEN_FILE, MODEL_FILE, ModelMeta
 from lipwright.npz import BROKEN, reason_of
+from lipwright.onnx_bytes import has_external_data
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession

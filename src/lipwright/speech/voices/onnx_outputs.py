@@ -7,16 +7,16 @@ a model add an output to its graph, and nothing needs to be parsed or written bu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
+
+from lipwright.onnx_bytes import messages
 
 # Field numbers of onnx.proto3 (ModelProto, GraphProto, NodeProto, ValueInfoProto).
 _MODEL_GRAPH: Final = 7
 _GRAPH_NODE, _GRAPH_OUTPUT = 1, 12
 _NODE_INPUT, _NODE_OP_TYPE = 1, 4
 _VALUE_NAME: Final = 1
-_FIXED: Final = {1: 8, 5: 4}  # bytes, by wire type
-_BYTES, _VARINT = 2, 0
+_BYTES: Final = 2  # wire type
 
 
 def input_of(model: bytes, op_type: str) -> str:
@@ -27,15 +27,15 @@ def input_of(model: bytes, op_type: str) -> str:
     """
     names = []
     wanted = _field(_NODE_OP_TYPE, op_type.encode())
-    for number, graph in _fields(memoryview(model)):
+    for number, graph in messages(memoryview(model)):
         if number != _MODEL_GRAPH:
             continue
-        for kind, node in _fields(graph):
+        for kind, node in messages(graph):
             if kind != _GRAPH_NODE:
                 continue
             if wanted not in bytes(node):  # most nodes need not be read
                 continue
-            fields = list(_fields(node))
+            fields = list(messages(node))
             if any(n == _NODE_OP_TYPE and bytes(v) == op_type.encode() for n, v in fields):
                 names.append(next(bytes(v).decode() for n, v in fields if n == _NODE_INPUT))
     if len(names) != 1:
@@ -59,34 +59,3 @@ def _varint(value: int) -> bytes:
         out.append(value & 0x7F | 0x80)
         value >>= 7
     return bytes([*out, value])
-
-
-def _fields(message: memoryview) -> Iterator[tuple[int, memoryview]]:
-    """Number and content of each field that has bytes; numbers are passed over."""
-    place = 0
-    while place < len(message):
-        key, place = _read_varint(message, place)
-        wire = key & 7
-        if wire == _VARINT:
-            _, place = _read_varint(message, place)
-        elif wire in _FIXED:
-            place += _FIXED[wire]
-        elif wire == _BYTES:
-            size, place = _read_varint(message, place)
-            yield key >> 3, message[place : place + size]
-            place += size
-        else:
-            raise ValueError("not an ONNX model")
-    if place > len(message):
-        raise ValueError("the model is cut off")
-
-
-def _read_varint(message: memoryview, place: int) -> tuple[int, int]:
-    value = shift = 0
-    while place < len(message):
-        byte = message[place]
-        value |= (byte & 0x7F) << shift
-        place, shift = place + 1, shift + 7
-        if byte < 0x80:
-            return value, place
-    raise ValueError("the model is cut off")

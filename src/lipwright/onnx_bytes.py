@@ -1,8 +1,8 @@
-"""Whether an ONNX file keeps weights in other files, which one from elsewhere must not.
+"""What stands in the bytes of an ONNX file, read without the package that reads ONNX.
 
-The names of such files stand in the model and may lead anywhere. onnxruntime would follow them,
-and the package that reads ONNX is not among those that running a model needs; so we walk the
-protobuf messages that can hold tensors and look at nothing else.
+That package is not among those that running a model needs, but one from elsewhere must be looked
+at before it runs: the names of files with its weights stand in the model and may lead anywhere,
+and onnxruntime would follow them. ONNX files are messages of Protocol Buffers.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def has_external_data(content: bytes) -> bool:
         message, data, depth = waiting.pop()
         if depth > _MOST_DEPTH:
             raise ValueError("messages are nested too deeply")
-        for field, value in _fields(data):
+        for field, value in fields(data):
             if message == "tensor" and field in _EXTERNAL:
                 if field == 13 or value:  # data_location 0 is the default: in the file
                     return True
@@ -51,8 +51,17 @@ def has_external_data(content: bytes) -> bool:
     return False
 
 
-def _fields(data: memoryview) -> Iterator[tuple[int, int | memoryview]]:
-    """Number and value of each field of a message."""
+def messages(data: memoryview) -> Iterator[tuple[int, memoryview]]:
+    """Number and content of the fields that have bytes; as `fields`."""
+    return ((number, value) for number, value in fields(data) if not isinstance(value, int))
+
+
+def fields(data: memoryview) -> Iterator[tuple[int, int | memoryview]]:
+    """Number and value of each field of a message.
+
+    Raises:
+        ValueError: the bytes are not a protobuf message.
+    """
     place = 0
     while place < len(data):
         key, place = _varint(data, place)
@@ -66,7 +75,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int | memoryview]]:
             elif kind in (_FIXED64, _FIXED32):
                 size = 8 if kind == _FIXED64 else 4
             else:
-                raise ValueError(f"a field of the unknown kind {kind}")
+                raise ValueError(f"it is not an ONNX model: a field of the unknown kind {kind}")
             value, place = data[place : place + size], place + size
         if place > len(data) or field == 0:
             raise ValueError("it is cut off or damaged")
