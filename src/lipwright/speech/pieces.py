@@ -10,7 +10,8 @@ import numpy.typing as npt
 from lipwright.speech.features import FRAME_RATE
 
 # The network's work grows with the square of a piece's length, and it hears worse in short ones:
-# of 35 sentences 17 % of the phones were wrong in pieces of 4 to 10 s, 23 % in those of 1 to 2.5 s.
+# of the twenty sentences of hibari in bench/listening.py, 17 % of the phones were wrong in pieces
+# of 4 to 10 s, 23 % in those of 1 to 2.5 s.
 _SHORTEST, _LONGEST = 4.0, 10.0  # s
 _SMOOTH: Final = 9  # frames over which the level is averaged: a pause, not the closure of a stop
 

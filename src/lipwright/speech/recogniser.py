@@ -66,8 +66,9 @@ def recognise(sound: Sound, start: float, end: float) -> Floats:
         return np.zeros((0, len(names)), np.float32)
     loud = float(np.sqrt(np.mean(np.square(samples, dtype=np.float64))))
     scaled = np.clip(samples * np.float32(_LOUDNESS / max(loud, 1e-6)), -1, 1)
-    total = np.zeros((len(names), (len(samples) // 160) // 2 + 1), np.float32)
-    np.add.at(total, columns, np.exp(log_probabilities(scaled)).T)
+    rows = log_probabilities(scaled)
+    total = np.zeros((len(names), len(rows)), np.float32)
+    np.add.at(total, columns, np.exp(rows).T)
     return np.asarray(np.log(np.maximum(total, _LEAST)).T)
 
 

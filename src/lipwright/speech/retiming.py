@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate, chain, pairwise
 from typing import Final
 
 from lipwright.speech.fit import placed_words
 from lipwright.speech.graph import build_graph
 from lipwright.speech.scores import Scores
-from lipwright.speech.search import STRICT, Search
-from lipwright.speech.units import units_of
+from lipwright.speech.search import STRICT, Search, Segment
+from lipwright.speech.units import Units, units_of
 
 _LEAST_FRAMES: Final = 3  # of a phone: one a state
 
@@ -34,21 +35,30 @@ def place_phones(
 
     Words that have no room there are left out from the end on.
     """
-    kept, room = [], (stop - start) // _LEAST_FRAMES
+    kept: list[tuple[Sequence[str], list[Units]]] = []
+    room = (stop - start) // _LEAST_FRAMES
     for word in words:
-        room -= len(word)
+        units = [units_of(phone) for phone in word]
+        room -= sum(map(len, units))
         if room >= 0:
-            kept.append(tuple(word))
+            kept.append((word, units))
     if not kept:
         return []
-    graph = build_graph(scores.model, [[_units(word)] for word in kept])
+    graph = build_graph(scores.model, [[list(chain.from_iterable(units))] for _, units in kept])
     path = Search(graph, scores, STRICT).run(start, stop, 0, to_end=True)
-    return [
-        PlacedPhone(symbol, part.start, part.stop, part.score / (part.stop - part.start))
-        for word in placed_words(graph, path)
-        for symbol, part in zip(kept[word.index], word.segments, strict=True)
-    ]
+    return list(
+        chain.from_iterable(
+            _phones(*kept[word.index], word.segments) for word in placed_words(graph, path)
+        )
+    )
 
 
-def _units(word: Sequence[str]) -> list[str]:
-    return [units_of(phone)[0] for phone in word]
+def _phones(
+    symbols: Sequence[str], units: Sequence[Units], segments: Sequence[Segment]
+) -> Iterator[PlacedPhone]:
+    """One phone for all units that it became."""
+    bounds = accumulate(map(len, units), initial=0)
+    for symbol, (first, last) in zip(symbols, pairwise(bounds), strict=True):
+        parts = segments[first:last]
+        start, stop = parts[0].start, parts[-1].stop
+        yield PlacedPhone(symbol, start, stop, sum(p.score for p in parts) / (stop - start))
