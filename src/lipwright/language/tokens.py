@@ -43,17 +43,24 @@ class Token:
         return self.core.rstrip(".")
 
 
-def split_text(text: str, source: str, grouped: bool = False) -> Iterator[tuple[str, int, int]]:
+def without_directions(text: str) -> str:
+    """The text with spaces for stage directions and tags, so that all else keeps its place."""
+    return _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+
+
+def split_text(
+    text: str, source: str, grouped: bool = False, pattern: re.Pattern[str] | None = None
+) -> Iterator[tuple[str, int, int]]:
     """Each token of `text` as written, its line and its column; stage directions are left out.
 
-    With `grouped`, digits in threes with spaces between them are one token: "12 500".
+    With `grouped`, digits in threes with spaces between them are one token: "12 500". A `pattern`
+    says itself what a token is.
 
     Raises:
         LipwrightError: a token is too long to be a word.
     """
-    text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
-    pattern = _TOKEN_GROUPED if grouped else _TOKEN
-    for line, content in enumerate(text.split("\n"), 1):
+    pattern = pattern or (_TOKEN_GROUPED if grouped else _TOKEN)
+    for line, content in enumerate(without_directions(text).split("\n"), 1):
         for found in pattern.finditer(content):
             written, column = found[0], found.start() + 1
             if len(written) > LONGEST:

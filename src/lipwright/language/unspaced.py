@@ -7,13 +7,12 @@ from collections.abc import Iterator
 from typing import Final
 
 from lipwright.errors import LipwrightError
-from lipwright.language.tokens import LONGEST
+from lipwright.language.tokens import LONGEST, without_directions
 
 MARKS: Final = "，。！？、；：…・·｡､।॥፣።،؛؟"
 """marks of scripts that need no space behind them"""
 _CLOSING: Final = "」』）)】》〉”’\"'.,;:!?"
 _TOKEN: Final = re.compile(f"[^\\s{MARKS}]+[{MARKS}{re.escape(_CLOSING)}]*")
-_UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")  # "[laughs]", tags
 
 
 def split_unspaced(text: str, source: str) -> Iterator[tuple[str, int, int]]:
@@ -22,8 +21,7 @@ def split_unspaced(text: str, source: str) -> Iterator[tuple[str, int, int]]:
     Raises:
         LipwrightError: a token is too long to be a word or a phrase.
     """
-    text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
-    for line, content in enumerate(text.split("\n"), 1):
+    for line, content in enumerate(without_directions(text).split("\n"), 1):
         for found in _TOKEN.finditer(content):
             written, column = found[0], found.start() + 1
             if len(written) > LONGEST:

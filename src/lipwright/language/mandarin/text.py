@@ -15,13 +15,13 @@ from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.mandarin.amounts import SIGNS, read_amount
 from lipwright.language.mandarin.characters import is_character, is_readable, segment
 from lipwright.language.mandarin.pinyin import NotPinyinError, syllables_of
+from lipwright.language.tokens import LONGEST, without_directions
 
 _MARKS: Final = "，。！？、；：…"  # no white space follows them
 _TOKEN: Final = re.compile(f"[^\\s{_MARKS}]+[{_MARKS}]*[”’）》」]*")
 _EDGE: Final = "\"“”„‟‘’'()（）[]{}<>《》「」『』【】〈〉〔〕*_~|,.;:!?-–—…·•" + _MARKS
 _TAIL: Final = re.compile(f'[{re.escape(",.;:!?")}{_MARKS}"”’）)》」』】\\]]*')
 _APOSTROPHES: Final = str.maketrans("’‘ʼʻ`´", "''''''")
-_UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")  # "[laughs]", tags
 _LATIN: Final = re.compile(
     "[A-Za-zÀ-ÖØ-öø-ɏ\u0300-\u036f]+(?:['’:.@/&_-]?[A-Za-z0-9À-ÖØ-öø-ɏ\u0300-\u036f]+)*"
 )
@@ -32,7 +32,6 @@ _WIDE_SIGNS: Final = str.maketrans({
     **dict.fromkeys("‐‑‒−﹣－", "-"), **dict.fromkeys("〜～∼", "~"), "⁄": "/", "￥": "¥",
 })  # fmt: skip
 _INITIALS: Final = 3  # letters, capitals that are said one by one: AI, KTV, OK
-_LONGEST: Final = 500  # characters of a token of pinyin or Latin letters
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class Reader:
         Raises:
             LipwrightError: there are no words, or something that cannot be read; with its place.
         """
-        text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+        text = without_directions(text)
         has_characters = any(is_character(char) for char in text)
         words: list[SpokenWord] = []
         for number, content in enumerate(text.split("\n"), 1):
@@ -93,10 +92,10 @@ class Reader:
     def _token(self, written: str, place: tuple[str, int, int]) -> list[str]:
         """The words of a token of pinyin or digits; none if it is punctuation alone."""
         source, line, column = place
-        if len(written) > _LONGEST:
+        if len(written) > LONGEST:
             raise LipwrightError(
                 f"{source}: line {line}, column {column}: a word of {len(written)} characters, "
-                f"more than {_LONGEST}; put spaces between words"
+                f"more than {LONGEST}; put spaces between words"
             )
         plain = written.translate(_APOSTROPHES)
         for own in (word_key(plain), word_key(plain).strip(_EDGE)):
@@ -158,10 +157,10 @@ class Reader:
         """The words of Latin letters: pinyin where tones say so, else as English reads them."""
         from lipwright.language import get_language
 
-        if len(run) > _LONGEST:
+        if len(run) > LONGEST:
             raise LipwrightError(
                 f"{source}: line {line.number}, column {line.columns[start] + 1}: a word of "
-                f"{len(run)} characters, more than {_LONGEST}; put spaces between words"
+                f"{len(run)} characters, more than {LONGEST}; put spaces between words"
             )
         plain = run.translate(_APOSTROPHES)
         if word_key(plain) in self._dictionary:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from lipwright.errors import LipwrightError
@@ -14,9 +13,8 @@ from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.swedish import tables
 from lipwright.language.swedish.amounts import read_amount, unit_words
 from lipwright.language.swedish.numbers import digits, number, ordinal
+from lipwright.language.tokens import Token, is_letter, split_text
 
-# "[skratt]", over several lines too, and the tags of marked-up text
-_UNSPOKEN: Final = re.compile(r"\[[^\[\]]*\]|</?[A-Za-z][^<>\n]*>")
 # "t ex", and numbers in groups of three, unless groups of two follow as in telephone numbers
 _TOKEN: Final = re.compile(
     r"(?<!\S)(?i:t ex|bl a|s k|m m|m fl|fr o m|t o m|p g a|d v s|o s v|f d|m a o)"
@@ -42,22 +40,14 @@ _ADDRESS: Final = re.compile(
 )
 _SCHEME: Final = re.compile(r"^\w+://")
 _VOWELS: Final = frozenset("aeiouyåäöéèüà")
-_LONGEST: Final = 500  # characters of a token; web addresses are the longest that are said
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
 _UNSPEAKABLE: Final = 4  # letters; longer ones without vowels are interjections
 _PAUSE: Final = re.compile(r"[,;:!?.…)\]]['\"”’»)\]*_]*$")
 _OPENED: Final = re.compile(r"[(\[\"“”«—–-]")
 
 
-@dataclass(frozen=True)
-class _Token:
+class _Token(Token):
     """What stands between white space, or a number with spaces between its thousands."""
-
-    written: str
-    line: int
-    column: int
-    core: str
-    """without the punctuation around it but for last dots"""
 
     @property
     def bare(self) -> str:
@@ -115,21 +105,13 @@ class Reader:
         return tuple(words)
 
     def _tokens(self, text: str, source: str) -> list[_Token]:
-        text = _UNSPOKEN.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
         tokens = []
-        for line, content in enumerate(text.split("\n"), 1):
-            for found in _TOKEN.finditer(content):
-                written, column = found[0], found.start() + 1
-                if len(written) > _LONGEST:
-                    raise LipwrightError(
-                        f"{source}: line {line}, column {column}: a word of {len(written)} "
-                        f"characters, more than {_LONGEST}; put spaces between words"
-                    )
-                core = written
-                if not self._own(written):
-                    core = _trim(_to_swedish(written))
-                    _check_letters(written, core, f"{source}: line {line}", column)
-                tokens.append(_Token(written, line, column, core))
+        for written, line, column in split_text(text, source, pattern=_TOKEN):
+            core = written
+            if not self._own(written):
+                core = _trim(_to_swedish(written))
+                _check_letters(written, core, f"{source}: line {line}", column)
+            tokens.append(_Token(written, line, column, core))
         return tokens
 
     def _own(self, written: str) -> str | None:
@@ -255,5 +237,4 @@ def _check_letters(written: str, core: str, line: str, column: int) -> None:
 
 
 def _is_foreign(char: str) -> bool:
-    is_letter = unicodedata.category(char) in ("Lu", "Ll", "Lt", "Lo")
-    return is_letter and not char.isascii() and char not in _KEPT
+    return is_letter(char) and not char.isascii() and char not in _KEPT
