@@ -24,6 +24,7 @@ from lipwright.audio import (
     open_audio,
     read_audio,
     write_wav,
+    written_by,
 )  # fmt: skip
 from lipwright.errors import LipwrightError
 
@@ -334,6 +335,27 @@ def test_a_wav_that_cannot_be_written_is_an_error(tmp_path):
         write_wav(tmp_path, Audio(tone(), RATE))
     with pytest.raises(LipwrightError, match="cannot be written"):
         write_wav(tmp_path / "none" / "out.wav", Audio(tone(), RATE))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are Unicode there")
+def test_a_wav_may_have_a_name_that_is_not_utf8(tmp_path):
+    path = tmp_path / os.fsdecode(b"h\xe5ll.wav")
+    write_wav(path, Audio(tone(), RATE), software="test")
+    assert written_by(path) == "test"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limit")
+def test_a_full_disk_is_named(tmp_path):
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5000, before[1]))
+    try:
+        with pytest.raises(LipwrightError, match="File too large"):
+            write_wav(tmp_path / "out.wav", Audio(tone(), RATE))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -119,6 +120,13 @@ def test_its_own_sound_is_replaced(tmp_path: Path) -> None:
         run = lipwright("say", text, "-o", "hello.csv", cwd=tmp_path)
         assert run.returncode == 0, run.stderr
     assert read_audio(tmp_path / "hello.wav").duration > 1.5
+
+
+def test_names_that_no_file_can_have_are_refused(tmp_path: Path) -> None:
+    assert_refused(lipwright("say", "Hello.", "-o", "a" * 300 + ".csv", cwd=tmp_path), "too long")
+    run = lipwright("say", "Hello.", "-o", os.fsdecode(b"h\xe5ll.glb"), cwd=tmp_path)
+    assert_refused(run, "not UTF-8")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_rate_of_two_takes_half_as_long() -> None:

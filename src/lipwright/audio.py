@@ -28,6 +28,7 @@ Resampler = Callable[[Samples, bool], Samples]
 
 LEVEL_FLOOR: Final = -120.0  # dBFS, what level_db gives for digital silence
 _IN_MEMORY: Final = 16 << 20  # bytes of decoded sound before it goes to disk: 4 minutes at 16 kHz
+_PROBE: Final = 1 << 16  # bytes that a full disk does not take
 _CANCELLED: Final = 1e-3  # energy of the mean over that of the loudest channel: -30 dB
 
 
@@ -332,7 +333,7 @@ def written_by(path: str | os.PathLike[str]) -> str:
     import soundfile
 
     try:
-        with soundfile.SoundFile(path) as file:
+        with soundfile.SoundFile(_name(path)) as file:
             return str(file.software).partition(" (")[0]  # libsndfile adds its own name
     except (OSError, soundfile.LibsndfileError):
         return ""
@@ -342,14 +343,22 @@ def _write_pcm(path: str | os.PathLike[str], sound: Sound, container: str, softw
     import soundfile
 
     with write_whole(path) as part:
+        name = _name(part)
         try:
-            with soundfile.SoundFile(part, "w", sound.rate, 1, "PCM_16", format=container) as file:
+            with soundfile.SoundFile(name, "w", sound.rate, 1, "PCM_16", format=container) as file:
                 if software:
                     file.software = software
                 for block in sound.blocks():
                     file.write(block.samples)
         except soundfile.LibsndfileError as error:
+            with part.open("ab") as again:  # meets the system's reason, which libsndfile keeps
+                again.write(bytes(_PROBE))
             raise OSError(errno.EIO, str(error)) from error
+
+
+def _name(path: str | os.PathLike[str]) -> str | bytes:
+    """A path as soundfile opens it; letters that are not UTF-8 too, which files may have."""
+    return os.fspath(path) if os.name == "nt" else os.fsencode(path)
 
 
 def level_db(sound: Sound, step: float = 0.01) -> Samples:

@@ -76,7 +76,7 @@ class Wanted:
             )
         return ExportOptions(
             size=(int(width), int(height)),
-            title=title,
+            title=title.encode("utf-8", "replace").decode(),  # a file's name may be any bytes
             keys=self.keys,
             onto=self.onto,
             node=self.node,
@@ -136,12 +136,17 @@ def targets_of(out: tuple[str, ...], known: Iterable[str], suffix: str | None) -
     """The outputs.
 
     Raises:
-        LipwrightError: none is named, or the pipe twice, or without a format.
+        LipwrightError: none is named, or the pipe twice, or without a format, or bytes that no
+            text is.
     """
     if not out:
         raise LipwrightError(
             f"no output; name one with -o: {', '.join(f'-o NAME{s}' for s in known)}"
         )
+    for name in out:
+        shown = name.encode("utf-8", "replace").decode()
+        if shown != name:  # some files have their own name inside, as text
+            raise LipwrightError(f"{shown}: its name is not UTF-8; name another file")
     if out.count(STDIN) > 1:
         raise LipwrightError("standard output is named twice; give each output its own place")
     if STDIN in out and suffix is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -135,7 +136,7 @@ def _sound_path(sound: Path | None, targets: tuple[str, ...]) -> Path | None:
     if not files:
         return None
     beside = files[0].with_name(f"{_stem(files[0])}.wav")
-    if beside.exists() and written_by(beside) != _WRITTEN_BY:
+    if os.path.exists(beside) and written_by(beside) != _WRITTEN_BY:  # noqa: PTH110  # of any length
         raise LipwrightError(
             f"{beside}: this sound was not made by 'lipwright say', and is kept; name another "
             "place for the voice's with --sound"
