@@ -197,15 +197,6 @@ def resolve_code(name: str) -> str:
     raise LipwrightError(f"unknown language {name[:60]!r}{_suggestion(key)}; {_known()}")
 
 
-def language_name(code: str) -> str:
-    """The English name of one of our codes.
-
-    Raises:
-        KeyError: it is none.
-    """
-    return NAMES[code]
-
-
 def _are_subtags(parts: list[str]) -> bool:
     """Whether they can be script, region, variants and extensions of a tag (RFC 5646)."""
     return all(part.isascii() and part.isalnum() and len(part) <= 8 for part in parts) and (

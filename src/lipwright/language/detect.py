@@ -21,7 +21,7 @@ from lipwright.language.frequent_words import ALPHABETS, FREQUENT_WORDS
 from lipwright.language.scripts import SCRIPTS_OF, USUAL, count_scripts, script_of
 
 _ENOUGH: Final = 6_000  # characters of the text that are looked at
-_SURE: Final = 0.6  # confidence from which on it is no guess; calibrated in docs/log.md
+_SURE: Final = 0.6  # confidence from which on it is no guess
 _DOMINANT: Final = 0.6  # share of the letters
 
 # Chinese characters that Cantonese is written with and Mandarin is not.

@@ -154,18 +154,6 @@ def read_ipa(text: str, language: str = "") -> tuple[Sound, ...]:
     return _sounds(_letters(text), table)
 
 
-def phone_of(letter: str) -> str:
-    """The phone of one letter with its marks, such as "n̩".
-
-    Raises:
-        LipwrightError: it is none, or more than one.
-    """
-    sounds = read_ipa(letter)
-    if len(sounds) != 1:
-        raise LipwrightError(f"{letter!r} is {len(sounds)} sounds, not one")
-    return sounds[0].phone
-
-
 def _letters(text: str) -> list[_Letter]:
     """The base letters with their marks."""
     plain = _SWITCH.sub(lambda found: " " * len(found[0]), text)

@@ -73,7 +73,7 @@ def find_model(wanted: str | os.PathLike[str] | None = None, *, needed: bool = F
         return None
     if wanted is not None and Path(wanted).is_dir():
         return _checked(Path(wanted))
-    fetched = _fetched()
+    fetched = fetched_models()
     if wanted is not None:
         name = os.fspath(wanted)
         if name in fetched:
@@ -121,18 +121,13 @@ def _hub() -> Path:
     return (Path(home) if home else cache / "huggingface") / "hub"
 
 
-def _fetched() -> dict[str, Path]:
-    """Name to folder of the models that were downloaded before."""
+def fetched_models() -> dict[str, Path]:
+    """Name to folder of the models on this machine, which were downloaded before."""
     found = {}
     for model in sorted(_hub().glob("models--*--faster-*whisper-*/snapshots/*/model.bin")):
         repository = model.parents[2].name.rpartition("--")[2]
         found[repository.replace("faster-", "").replace("whisper-", "")] = model.parent
     return found
-
-
-def fetched_models() -> dict[str, Path]:
-    """Name to folder of the models on this machine."""
-    return _fetched()
 
 
 def fetch_model(name: str) -> str:

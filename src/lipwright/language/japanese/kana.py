@@ -36,7 +36,7 @@ _SINGLE: Final = MappingProxyType({
 # Kana of the i column with a small ya, yu, yo or e; these consonants have the y in them.
 _PALATALS: Final = frozenset({"ɕ", "ʑ", "tɕ", "ɲ", "ç"})
 _SMALL_Y: Final = MappingProxyType({"ゃ": "a", "ゅ": "ɯ", "ょ": "o", "ぇ": "e"})
-# Syllables of words from abroad; v is a b to most speakers (Vance 2008, section 4.6).
+# Syllables of words from abroad; v is a b to most speakers (Vance 2008).
 _FOREIGN: Final = MappingProxyType({
     "ふぁ": "ɸ a", "ふぃ": "ɸ i", "ふぇ": "ɸ e", "ふぉ": "ɸ o", "ふゅ": "ɸ j ɯ",  # FAito
     "てぃ": "t i", "でぃ": "d i", "とぅ": "t ɯ", "どぅ": "d ɯ", "てゅ": "t j ɯ", "でゅ": "d j ɯ",

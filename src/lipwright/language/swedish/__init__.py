@@ -24,7 +24,7 @@ _LETTERS: Final = re.compile(r"[^\W\d_]+")
 _ENDED: Final = re.compile(r"(?P<base>[^\W\d_]+):(?P<end>[^\W\d_]+)")  # "tv:n"
 _MUTE_H: Final = re.compile(r"(?<=[aeiouåäö])h(?=[lmnr])")  # of names: "Dahl", "Öhman"
 _SON: Final = "sson"  # of names: "Svensson"
-_SURE: Final = 0.95  # of a guess, from which it beats compounds; docs/log.md
+_SURE: Final = 0.95  # of a guess, from which it beats compounds; docs/swedish.md
 
 
 @dataclass(frozen=True)

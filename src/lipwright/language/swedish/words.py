@@ -53,7 +53,7 @@ _LAST_PARTS: Final = MappingProxyType({
 """endings that are joined to a stem as the last part of a compound is"""
 _NEVER_PARTS: Final = frozenset(("erar", "erat", "erad", "tion", "inte", "eller"))
 """words of the lexicon, or forms of them, that look like endings or are never parts of compounds"""
-_SHORTEST: Final = 4  # letters of a compound's part; docs/log.md
+_SHORTEST: Final = 4  # letters of a compound's part
 _FEWEST: Final = 3  # letters of a stem before an ending
 _LONGEST: Final = 30  # letters of a compound's part
 _KNOWN, _INFLECTED, _ENDED, _LINK = 1.0, 1.3, 0.7, 0.1
