@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,6 +18,7 @@ from lipwright.streams.times import Timed, mend
 from lipwright.track import PhoneTrack
 
 JOINT: Final = Joint(tolerance=0.001, gaps="silence")
+SHORTEST: Final = 0.001  # s; a shorter letter has no time
 
 # The sounds that Latin letters most often stand for, in English and its neighbours: enough to tell
 # which letter of a word a sound belongs to.
@@ -98,10 +100,11 @@ def _on_letters(
     span: Span, words: Sequence[Timed], units: Sequence[Sequence[Timed]]
 ) -> tuple[list[Interval], list[Interval]]:
     """The phones of a span on the letters that are timed inside it."""
+    first = bisect.bisect_left(words, span.start, key=lambda word: word.start)
+    stop = bisect.bisect_left(words, span.end, key=lambda word: word.start)
     inside = [
-        letter for word, row in zip(words, units, strict=True)
-        if span.start <= word.start < span.end for letter in row
-        if letter.end is not None and letter.end - letter.start > 0.001
+        letter for row in units[first:stop] for letter in row
+        if letter.end is not None and letter.end - letter.start > SHORTEST
     ]  # fmt: skip
     if not inside:
         return span_intervals(span)
