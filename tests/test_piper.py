@@ -220,6 +220,14 @@ def test_wrong_settings_name_the_field(tmp_path: Path, content: str, message: st
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
+def test_settings_without_an_end_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "v.onnx").write_bytes(b"x")
+    (tmp_path / "v.onnx.json").symlink_to("/dev/zero")
+    with pytest.raises(LipwrightError, match="larger than the settings of any voice"):
+        find_voice(f"piper:{tmp_path / 'v.onnx'}")
+
+
 def test_missing_and_huge_settings_are_refused(tmp_path: Path) -> None:
     path = write_voice(tmp_path)
     settings_file = path.with_name("voice.onnx.json")

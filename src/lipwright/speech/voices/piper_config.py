@@ -63,9 +63,11 @@ class _WrongError(Exception):
 
 def _read_json(path: Path) -> dict[str, Any]:
     try:
-        if path.stat().st_size > MAX_BYTES:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)  # a device tells no size
+        if len(data) > MAX_BYTES:
             raise LipwrightError(f"{path}: is larger than the settings of any voice; {REMEDY}")
-        content = json.loads(path.read_bytes())
+        content = json.loads(data)
     except FileNotFoundError:
         raise LipwrightError(f"{path}: is missing beside the voice's model; {REMEDY}") from None
     except OSError as error:
