@@ -73,20 +73,21 @@ def shift(audio: Audio, pitch: float, formants: float) -> Audio:
     Returns:
         As many samples at the same rate; quieter where it would clip.
     """
-    world = _world()
+    vocoder = world()
     samples = np.ascontiguousarray(audio.samples, np.float64)
-    f0, times = world.harvest(samples, audio.rate)
-    envelope = world.cheaptrick(samples, f0, times, audio.rate)  # (T, F), power
-    aperiodicity = world.d4c(samples, f0, times, audio.rate)
+    f0, times = vocoder.harvest(samples, audio.rate)
+    envelope = vocoder.cheaptrick(samples, f0, times, audio.rate)  # (T, F), power
+    aperiodicity = vocoder.d4c(samples, f0, times, audio.rate)
     bins = np.arange(envelope.shape[1], dtype=np.float64)
     stretched = np.stack([np.interp(bins / formants, bins, row) for row in np.log(envelope)])
-    made = world.synthesize(f0 * pitch, np.exp(stretched), aperiodicity, audio.rate)
+    made = vocoder.synthesize(f0 * pitch, np.exp(stretched), aperiodicity, audio.rate)
     made = np.pad(made, (0, max(len(audio) - len(made), 0)))[: len(audio)]
     loudest = float(np.abs(made).max(initial=0.0))
     return Audio((made * min(1.0, LOUDEST / max(loudest, 1e-9))).astype(np.float32), audio.rate)
 
 
-def _world() -> Any:
+def world() -> Any:
+    """The vocoder, pyworld."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the package `pyworld` asks for an old setuptools
