@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import json
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -111,6 +113,19 @@ def test_letters_are_spelt(voice: Voice) -> None:
     track = track_of(voice.speak((Piece("Plan A.B. works"),)))
     assert phones_of(track, "a") == ("EY",)
     assert phones_of(track, "b") == ("B", "IY")
+
+
+def test_threads_may_open_it_at_once() -> None:
+    program = (
+        "import concurrent.futures as c\n"
+        "from lipwright.speech.voices import find_voice, read_script, speak\n"
+        "def say(n): return len(speak(find_voice('hibari'), read_script('Hello.')).audio)\n"
+        "with c.ThreadPoolExecutor(6) as pool: print(len(set(pool.map(say, range(6)))))\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (run.stdout, run.returncode) == ("1\n", 0), run.stderr
 
 
 def test_words_beside_tags_are_said(voice: Voice) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -37,6 +38,7 @@ _TURNED_INTO_FRAMES: Final = "CumSum"
 _MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibari.dsp.synth` says
 _PITCH: Final = 5  # output in Hz
 _MOST_LINES_AT_ONCE: Final = 4  # threads
+_OPENING: Final = threading.Lock()  # hibari is imported by one thread; see `_without_scipy_fft`
 _STEPS: Final = 2  # of `hibari.dsp.HOP` in a FRAME
 _ODD_ONES_OUT: Final = 3  # severity from which onnxruntime speaks up
 _RAMP: Final = 4  # steps in which a word's emphasis comes and goes: 50 ms
@@ -279,7 +281,9 @@ class HibariBackEnd:
         path = self._path(voice) if voice in table else None
         if path is None:
             raise LipwrightError(self._refusal(voice, known))
-        return _ready(self._info(voice), path, bool(table[voice]["british"]), path.stat().st_mtime)
+        british, changed = bool(table[voice]["british"]), path.stat().st_mtime
+        with _OPENING:
+            return _ready(self._info(voice), path, british, changed)
 
     def _refusal(self, voice: str, known: Sequence[VoiceInfo]) -> str:
         here = ", ".join(info.name for info in known)
