@@ -327,6 +327,16 @@ def test_nothing_of_a_long_word_or_clause_is_dropped(name: str, text: str, closu
     assert track_of(name, Piece(text)).phones.count("M") == closures
 
 
+@pytest.mark.parametrize(("name", "text"), [
+    ("th", "Bob สวัสดี Pam"), ("ja", "Bob まま Pam"), ("en-us", "0\u0e00 0"),
+])  # fmt: skip
+def test_words_of_mixed_scripts_stand_in_the_order_in_which_they_are_said(
+    name: str, text: str
+) -> None:
+    words = [word.text for word in track_of(name, Piece(text)).words]
+    assert (words[0], words[-1]) == (text.split()[0], text.split()[-1])
+
+
 @settings(max_examples=15)
 @given(
     st.sampled_from(["en-us", "sv", "cmn", "de", "ja"]),

@@ -188,12 +188,14 @@ class Timeline:
         return moved
 
     def _spans(self, phones: Sequence[Timed]) -> tuple[Word, ...]:
-        """The words as runs of phones; one without a phone is left out."""
+        """The words as runs of phones, in the order of these; one without a phone is left out."""
         places: dict[int, list[int]] = {}
         for index, phone in enumerate(phones):
             if phone.word is not None and phone.phone != SILENCE:
                 places.setdefault(phone.word, []).append(index)
+        # A word in two places ends where another begins.
+        stops = [*(found[0] for found in places.values()), len(phones)][1:]
         return tuple(
-            Word(self._words[word], found[0], found[-1] + 1)
-            for word, found in sorted(places.items())
+            Word(self._words[word], found[0], min(found[-1] + 1, stop))
+            for (word, found), stop in zip(places.items(), stops, strict=True)
         )
