@@ -46,6 +46,7 @@ _ASCII: Final = str.maketrans(
 _STRESSED: Final = re.compile(r"([ˈˌ]*)(.*)", re.DOTALL)
 # Tones are digits behind the vowel; 3 comes out as the letter that it is in Kirshenbaum's ASCII.
 _TONE: Final = re.compile(r"(?<=[^ˈˌ])(?:[0-9]+ɜ?[0-9]*|ɜ[0-9]*)$")
+_PALATALS: Final = (("n^", "ɲ"), ("l^", "ʎ"))  # before the mark is dropped
 _VELAR: Final = re.compile(r"(?<=[^ˈˌ])nɡ$")  # behind a vowel: Cantonese gONG
 
 
@@ -55,4 +56,8 @@ def corrected(phoneme: str, code: str) -> str:
     assert match is not None  # the pattern takes anything
     stress, bare = match[1], match[2]
     table = CORRECTIONS.get(code)
-    return stress + (table or {}).get(bare, _VELAR.sub("ŋ", bare).translate(_ASCII))
+    if table and bare in table:
+        return stress + table[bare]
+    for mnemonic, ipa in _PALATALS:
+        bare = bare.replace(mnemonic, ipa)
+    return stress + _VELAR.sub("ŋ", bare).translate(_ASCII)

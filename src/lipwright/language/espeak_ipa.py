@@ -2,8 +2,9 @@
 
 espeak-ng 1.52 makes its IPA from the mnemonics of its phonemes (docs/phonemes.md of its source).
 Where no IPA was written down for one, the mnemonic's ASCII letters stay: "s." is a retroflex,
-"kh" an aspirate, capitals are X-SAMPA's. Tones print their digit, of which "3" becomes "ɜ", as the
-mnemonic "3" is also a vowel.
+"kh" an aspirate. `espeak.corrections` mends what can be mended without knowing more than the
+phoneme; here is the rest. Tones print their digit, of which "3" becomes "ɜ", as the mnemonic "3"
+is also a vowel.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 from types import MappingProxyType
 from typing import Final
 
+from lipwright.espeak.corrections import corrected
 from lipwright.language.ipa import Sound, read_ipa
 
 SEPARATOR: Final = "|"
@@ -29,9 +31,8 @@ _PARTED: Final = re.compile(f"(?<=[ptk]){re.escape(SEPARATOR)}h")
 
 # Left-overs of mnemonics, in any language.
 _EVERYWHERE: Final = (
-    ("ts.", "ʈʂ"), ("s.", "ʂ"), ("z.", "ʐ"), ("r.", "ɽ"), ("n^", "ɲ"), ("l^", "ʎ"), ("ɣ^", "ɣ"),
-    ("S", "ʃ"), ("Z", "ʒ"), ("N", "ŋ"), ("X", "χ"), ("K", "k"), ("A", "ɑ"), ("Φ", "ɸ"),
-    ("ε", "ɛ"), ("#", ""), ("+", ""), ("*", ""), ("\x01", ""),
+    ("ts.", "ʈʂ"), ("s.", "ʂ"), ("z.", "ʐ"), ("r.", "ɽ"), ("K", "k"), ("Φ", "ɸ"), ("ε", "ɛ"),
+    ("+", ""), ("\x01", ""),
     ("\N{REPLACEMENT CHARACTER}", ""),
 )  # fmt: skip
 
@@ -52,12 +53,10 @@ _INDIC: Final = (
 )  # fmt: skip
 _WHOLE: Final = MappingProxyType({
     **dict.fromkeys((*_INDIC, "sw"), _AFFRICATES),
-    "cmn": MappingProxyType({"i.": "ʅ", "i̪": "ɿ", "o-": "ɤ", "ər": "ɚ"}),
     "hak": MappingProxyType({"i.": "i", "o-": "ɔ"}),
     "yue": _CANTONESE,
     "my": MappingProxyType({"hs": "sʰ", "ht": "tʰ", "ky": "tɕ"}),
     "ky": MappingProxyType({"oe": "ø", "oe:": "øː"}),
-    "sv": MappingProxyType({"sx": "ɧ"}),
     "vi": _VIETNAMESE,
 })  # fmt: skip
 
@@ -91,7 +90,8 @@ def read_espeak(text: str, language: str = "") -> tuple[Sound, ...]:
 
 def _plain(token: str, language: str) -> str:
     """A phoneme, or a word of them, in proper IPA with its stress mark."""
-    mark = token[0] if token[0] in "ˈˌ" else ""
+    token = corrected(token, language)
+    mark = token[:1] if token[:1] in ("ˈ", "ˌ") else ""
     token = token[len(mark) :]
     if language in _TONAL:
         token = _TONE_3.sub("", token)
