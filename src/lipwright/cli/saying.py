@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 SAY_EXAMPLES = """\b
 Examples:
   lipwright say "Hello there, how are you?" -o hello.csv
-    hello.csv: 1.9 s, 17 phones, 5 words
+    hello.csv: 1.9 s, 15 phones, 5 words
     hello.wav: 1.9 s, said by hibari:heart
 \b
   lipwright say "Hello there." --voice hibari --rate 0.9 -o hello.mp4
