@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
+import re
 import subprocess
 import sys
 import threading
@@ -171,6 +172,15 @@ def test_words_alone_get_their_phones_within_their_times() -> None:
 def test_an_answer_without_times_has_no_track() -> None:
     with serving(answers({"version": 1, "audio": AUDIO})) as s:
         assert spoken(s).track is None
+
+
+def test_a_sound_that_cannot_be_aligned_names_the_voice() -> None:
+    from lipwright.speech.voices import speak
+
+    with serving(answers({"version": 1, "audio": AUDIO})) as s:
+        name = re.escape(s.url)
+        with pytest.raises(LipwrightError, match=f"{name} tells no times, and .* aligned"):
+            speak(find_voice(s.url), (Piece("Hello there, and many more words than that."),))
 
 
 def test_the_request_says_text_pieces_voice_language_and_rate() -> None:

@@ -150,5 +150,10 @@ def speak(
 
     code = voice.info.language or language or "en"
     words = get_language(code).normalize(said.text, source)
-    track = align(resampled(said.audio, _SPEAKS_RATE), words, code).track
+    try:
+        track = align(resampled(said.audio, _SPEAKS_RATE), words, code).track
+    except LipwrightError as error:
+        raise LipwrightError(
+            f"{voice.info.name} tells no times, and its sound cannot be aligned: {error}"
+        ) from error
     return replace(said, track=track, timing="aligner")
