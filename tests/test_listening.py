@@ -22,7 +22,7 @@ from lipwright.speech.features import Floats
 from lipwright.speech.listening import Heard, listen
 from lipwright.speech.pieces import cut
 from lipwright.speech.recogniser import NOTHING, WORD_END, recognise, symbols
-from lipwright.speech.utterances import TimedPhone, confidence, utterances
+from lipwright.speech.utterances import TimedPhone, confidence, unsure_stretches, utterances
 from lipwright.track import PhoneTrack
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -316,3 +316,28 @@ def test_a_phone_of_two_units_keeps_both_and_is_one_phone() -> None:
     assert (both[0].start, both[0].stop) == (parts[0].start, parts[1].stop)
     assert [(p.start, p.stop) for p in both[1:]] == [(p.start, p.stop) for p in parts[2:]]
     assert place_phones([["XTS"]], scores, 20, 25) == []
+
+
+def test_stretches_of_unsure_phones_are_named() -> None:
+    rows = [TimedPhone("AA", 0.2 * i, 0.4 if 50 <= i < 75 else 0.9, False) for i in range(120)]
+    ((start, end, sure),) = unsure_stretches(rows)
+    assert (start, end) == (pytest.approx(10.0), pytest.approx(14.8))
+    assert sure == pytest.approx(confidence(rows[50:75]))
+    assert unsure_stretches(rows[:40]) == []
+
+
+def test_music_under_some_of_the_speech_is_noted_with_its_place() -> None:
+    tune = bench("other_sounds").music(10.0)
+    part = under(hello(), tune, -6)
+    sound = np.concatenate([hello().samples, hello().samples, part.samples, hello().samples])
+    notes = [n for n in listen(Audio(sound, RATE)).notes if "likely to be right" in n]
+    assert len(notes) == 1
+    start, end = (float(word) for word in notes[0].split()[1:4:2])
+    first, last = 2 * hello().duration, 3 * hello().duration
+    assert first - 5 < start < end < last + 5
+
+
+def test_speech_that_music_masks_is_noted_though_the_recogniser_is_rather_sure() -> None:
+    result = listen(under(hello(), bench("other_sounds").music(8.0), -1))
+    assert 0.65 < result.confidence < 0.8
+    assert "likely to be right" in result.notes[0]
