@@ -15,6 +15,7 @@ from lipwright.language.base import SpokenWord
 from lipwright.language.codes import NAMES
 from lipwright.language.espeaking import EspeakLanguage, make
 from lipwright.phones import BILABIALS, PHONES
+from test_cli import assert_refused, lipwright
 
 needs_espeak = pytest.mark.skipif(
     not espeak.is_available(), reason="espeak-ng is not installed: pip install 'lipwright[espeak]'"
@@ -174,3 +175,7 @@ def test_a_missing_espeak_says_how_to_install_it() -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert "pip install 'lipwright[espeak]'" in done.stdout, done.stderr
+
+
+def test_a_language_without_a_list_of_sounds_asks_for_a_text() -> None:
+    assert_refused(lipwright("phones", "--language", "fi"), "Finnish", "give a text")

@@ -11,6 +11,7 @@ from lipwright.cli.aligning import dictionary_option
 from lipwright.cli.inputs import read_text
 from lipwright.cli.listing import columns, json_option
 from lipwright.cli.progress import warn
+from lipwright.errors import LipwrightError
 from lipwright.phones import PHONES, Phone, nearest_phones
 
 PHONES_EXAMPLES = """\b
@@ -80,7 +81,13 @@ def _print_sounds(code: str, as_json: bool) -> None:
     from lipwright.language import get_language
     from lipwright.language.codes import resolve_code
 
-    sounds = get_language(resolve_code(code)).inventory()
+    language = get_language(resolve_code(code))
+    sounds = language.inventory()
+    if not sounds:
+        raise LipwrightError(
+            f"{language.name} is read by espeak-ng, which has no list of its sounds; give a text: "
+            f"lipwright phones --language {language.code} TEXT"
+        )
     if as_json:
         listed = [
             {"ipa": sound.ipa, "phones": sound.phones, "example": sound.example} for sound in sounds
