@@ -27,7 +27,7 @@ _SLOPE, _OFFSET = 1.27, -0.35
 
 _WINDOW: Final = 5.0  # s that are judged together
 # Confidence under which such a window is unsure. Of three recordings of bench/listening.py at a
-# time, under it are 81 % with music as loud as the speech, 13 % with it 5 dB lower, 7 % as recorded.
+# time, under it are 81 % with music as loud as the speech, 13 % 5 dB lower, 7 % as recorded.
 _LEAST_PART: Final = 0.6
 _FEWEST: Final = 12  # phones: a window with fewer tells nothing
 
