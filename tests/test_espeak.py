@@ -128,6 +128,13 @@ def test_speech_has_sound_phones_and_words() -> None:
     assert [phone.position for phone in speech.phones][:3] == [0, 0, 0]
 
 
+def test_what_was_translated_before_takes_no_word_from_what_is_said() -> None:
+    letters = " ".join("abcdefghijklmnopqrstuvwxyz")
+    for language in espeak.languages():
+        espeak.to_ipa(letters, language.code)
+    assert espeak.speak("Bob met a man.", "en-us").words[0].position == 0
+
+
 def test_events_have_mnemonics_where_asked_in_the_same_order() -> None:
     ipa = espeak.speak("Sju sjuka barn i Paris.", "sv")
     mnemonics = espeak.speak("Sju sjuka barn i Paris.", "sv", mnemonics=True)

@@ -172,7 +172,9 @@ class Engine:
         """The IPA of each text alone."""
         self._choose(request["voice"])
         mode = AS_IPA | ord(request["separator"] or "\0") << 8
-        return {"clauses": [self._clauses(text, mode) for text in request["texts"]]}, b""
+        clauses = [self._clauses(text, mode) for text in request["texts"]]
+        self._forget()
+        return {"clauses": clauses}, b""
 
     def _clauses(self, text: str, mode: int) -> list[tuple[str, str]]:
         """The IPA of each clause and its text."""
@@ -204,14 +206,20 @@ class Engine:
             pcm, events = bytes(self._pcm), self._events
         finally:
             self._pcm, self._events = bytearray(), []
-            if flags & (
-                SSML | PHONEMES
-            ):  # the library remembers them when it translates without sound
-                self._synthesise(" ", UTF8)
-                self._pcm, self._events = bytearray(), []
+            if flags & (SSML | PHONEMES):
+                self._forget()
         if len(pcm) > self._most:
             raise _RefusedError("makes more sound of it than is allowed")
         return {"rate": self.rate, "events": events, "pcm": len(pcm)}, pcm
+
+    def _forget(self) -> None:
+        """Let the library say nothing, once, as it remembers what it did before.
+
+        It goes on to read SSML and mnemonics when it translates without sound; and after it has
+        translated without sound, the first word that it says may have no event.
+        """
+        self._synthesise(" ", UTF8)
+        self._pcm, self._events = bytearray(), []
 
     def _synthesise(self, text: str, flags: int) -> None:
         data = text.encode() + b"\0"
