@@ -22,7 +22,6 @@ from lipwright.speech.voices.espeak_text import (
 )
 from lipwright.speech.voices.espeak_times import spoken_samples, to_stretch
 from lipwright.speech.voices.scripts import check_text
-from lipwright.speech.voices.stretching import stretch
 from lipwright.speech.voices.timeline import Stretch, Timeline
 from lipwright.speech.voices.values import Emphasis, Piece, Script, Utterance, VoiceInfo
 
@@ -168,12 +167,7 @@ class EspeakVoice:
             speech = said(speed)
         found = to_stretch(speech, text, voice)
         factor = goal / spoken_samples(speech) if goal else 1.0
-        return _stretched(found, factor) if abs(factor - 1) > _LEAST_STRETCH else found
-
-
-def _stretched(said: Stretch, factor: float) -> Stretch:
-    phones = tuple(replace(one, start=round(one.start * factor)) for one in said.phones)
-    return Stretch(stretch(said.samples, RATE, factor), phones, said.words)
+        return found.stretched(factor, RATE) if abs(factor - 1) > _LEAST_STRETCH else found
 
 
 def _variant(code: str, voice: str) -> str:

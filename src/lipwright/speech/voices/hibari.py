@@ -25,6 +25,7 @@ from lipwright.phones import SILENCE
 from lipwright.speech.voices.hibari_text import G2P, Line, script_lines
 from lipwright.speech.voices.hibari_times import FRAME, LAG, RATE, time_line
 from lipwright.speech.voices.onnx_outputs import input_of, with_output
+from lipwright.speech.voices.stretching import stretch
 from lipwright.speech.voices.timeline import Samples, Stretch, Timed, Timeline
 from lipwright.speech.voices.values import Emphasis, Script, Utterance, VoiceInfo
 
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
 NAME: Final = "hibari"
 SEED: Final = 0  # of the noise in its sound: the same text sounds the same every time
 _TURNED_INTO_FRAMES: Final = "CumSum"
+
+# Beyond this rate more and more phones last one FRAME, which they cannot fall under: at 2 a
+# sentence takes 0.57 of its usual time, at 4 0.44. What is faster is said so and made shorter.
+_FASTEST: Final = 1.5
 """the model's only node of this kind counts up the frames of the letters"""
 _MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibari.dsp.synth` says
 _PITCH: Final = 5  # output in Hz
@@ -98,6 +103,10 @@ class HibariVoice:
             said = pool.map(self._say, lines, range(1, len(lines) + 1))
             for number, (line, (frames, samples)) in enumerate(zip(lines, said, strict=True), 1):
                 head, body, rest = time_line(line.letters, line.sounds, frames, samples)
+                if line.rate > _FASTEST:
+                    factor = _FASTEST / line.rate
+                    head, rest = (stretch(silence, RATE, factor) for silence in (head, rest))
+                    body = body.stretched(factor, RATE)
                 timeline.add(_bridge(tail, head, pause, at_end=number == 1))
                 timeline.add(replace(body, words=line.words))
                 tail, pause = rest, line.pause
@@ -136,7 +145,8 @@ class HibariVoice:
 
         ids = [0, *(self._vocabulary[letter] for letter in line.letters), 0]
         feeds = {
-            "ids": np.asarray([ids], np.int64), "speed": np.asarray([line.rate], np.float32),
+            "ids": np.asarray([ids], np.int64),
+            "speed": np.asarray([min(line.rate, _FASTEST)], np.float32),
         }  # fmt: skip
         *parts, frames = self._session.run(None, feeds)
         frames = frames.reshape(-1).astype(np.int64)

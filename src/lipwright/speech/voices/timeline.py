@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from lipwright.audio import Audio
 from lipwright.phones import BILABIALS, SILENCE
+from lipwright.speech.voices.stretching import stretch
 from lipwright.speech.voices.values import Utterance
 from lipwright.track import PhoneTrack, Word
 
@@ -60,6 +61,11 @@ class Stretch:
         moved = tuple(replace(phone, start=phone.start - cut) for phone in phones)
         return Stretch(samples[cut:], moved, self.words)
 
+    def stretched(self, factor: float, rate: int) -> Stretch:
+        """The same speech `factor` times as long, at the same pitch."""
+        phones = tuple(replace(one, start=round(one.start * factor)) for one in self.phones)
+        return Stretch(stretch(self.samples, rate, factor), phones, self.words)
+
 
 class Timeline:
     """Stretches and silences at one rate, one after the other."""
@@ -84,20 +90,20 @@ class Timeline:
             self._begin(SILENCE)
             self._push(np.zeros(count, np.float32))
 
-    def add(self, stretch: Stretch) -> None:
-        """A stretch."""
-        if not len(stretch.samples):
+    def add(self, said: Stretch) -> None:
+        """Speech."""
+        if not len(said.samples):
             return
-        if not stretch.phones or stretch.phones[0].start > 0:
+        if not said.phones or said.phones[0].start > 0:
             self._begin(SILENCE)
         shift, first_word = self._length, len(self._words)
-        for phone in stretch.phones:
+        for phone in said.phones:
             if phone.phone == SILENCE and self._phones and self._phones[-1].phone == SILENCE:
                 continue
             word = None if phone.word is None else phone.word + first_word
             self._phones.append(replace(phone, start=phone.start + shift, word=word))
-        self._words += stretch.words
-        self._push(stretch.samples)
+        self._words += said.words
+        self._push(said.samples)
 
     def end_speech(self) -> None:
         """Cut the silence at the end, so that what follows comes right behind the last phone."""
