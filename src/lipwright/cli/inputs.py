@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -15,6 +16,8 @@ from lipwright.errors import LipwrightError
 
 STDIN = "-"
 MAX_TEXT = 32 * 1024 * 1024  # bytes; some forty times what is said in a day
+# What separates words, lines and pages may stand in a text; other control characters may not.
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1b\x7f-\x84\x86-\x9f]")
 _TEXT_SUFFIXES = frozenset((".txt", ".text", ".lab", ".trn", ".md"))
 
 
@@ -102,8 +105,21 @@ def read_text(text: str) -> tuple[str, str]:
     `text` is a file where there is one of that name, `-` standard input, else the words.
 
     Raises:
-        LipwrightError: the file is missing, too long or not text.
+        LipwrightError: the file is missing, too long or not text, or there are control characters.
     """
+    words, name = _words_of(text)
+    found = _CONTROL.search(words)
+    if found:
+        line = words.count("\n", 0, found.start()) + 1
+        column = found.start() - words.rfind("\n", 0, found.start())
+        raise LipwrightError(
+            f"{name}: line {line}, column {column}: the control character U+{ord(found[0]):04X} is "
+            "no text; take it out, or save the file as UTF-8"
+        )
+    return words, name
+
+
+def _words_of(text: str) -> tuple[str, str]:
     if text == STDIN:
         return _decode(piped_in().read(MAX_TEXT), "standard input"), "standard input"
     if text.lstrip().startswith("<"):  # SSML, whose slashes are no folders

@@ -14,6 +14,7 @@ from lipwright.pipeline.options import AnimateOptions, PathLike, Report, quiet
 from lipwright.pipeline.values import Result
 from lipwright.pipeline.words import AUTO, language_of
 from lipwright.speech.voices import MAX_RATE, MIN_RATE, Script, find_voice, read_script, speak
+from lipwright.speech.voices.ssml import language_tag
 
 MOST_CHARACTERS: Final = 50_000  # an hour of speech; its curves take 100 MB
 
@@ -73,7 +74,8 @@ def say(
             f"{text_source}: {len(text)} characters, more than the {MOST_CHARACTERS} that are said "
             "at once; split the text"
         )
-    known = None if voice.language in (None, AUTO) else language_of(voice.language or "", "", "")
+    asked = voice.language or language_tag(text)
+    known = language_of(asked, "", text_source) if asked not in ("", AUTO) else None
     script = _at_rate(read_script(text, text_source, known), voice.rate)
     words = " ".join(piece.text for piece in script)
     language = language_of(AUTO, words, text_source) if voice.language == AUTO else known

@@ -121,6 +121,8 @@ def hear_sound(
     from lipwright.speech.listening import listen
 
     options = options or AlignOptions()
+    if options.dictionary is not None:
+        read_dictionary(Path(options.dictionary))  # refused before the work is done
     notes: tuple[str, ...] = ()
     if options.recogniser != "phones":
         heard, notes = _hear_words(sound, options, report)

@@ -41,10 +41,10 @@ class SphinxAligner:
         return model_folder() is not None
 
     def languages(self) -> tuple[str, ...]:
-        """Every language that the text front end knows: their sounds become the model's units."""
-        from lipwright.language import LANGUAGES
+        """Every language that text is read in: their sounds become the model's units."""
+        from lipwright.language.codes import NAMES
 
-        return tuple(LANGUAGES)
+        return tuple(NAMES)
 
     def align(
         self,

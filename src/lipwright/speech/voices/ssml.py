@@ -12,12 +12,19 @@ from lipwright.speech.voices.values import Piece, Script
 
 MOST_CHARACTERS: Final = 1_000_000
 _SPEAK: Final = re.compile(r"\s*(?:<\?xml|<!DOCTYPE|<!--|<(?:ssml:)?speak[\s/>])")
+_TAG: Final = re.compile(r"<(?:ssml:)?speak\s[^>]*\bxml:lang\s*=\s*[\"']([A-Za-z0-9-]+)")
 _EMOJI: Final = (
     "[\U0001f000-\U0001faff\u2600-\u27bf\u2b00-\u2bff\u2300-\u23ff]"
     "(?:[\ufe0e\ufe0f\u20e3\U0001f3fb-\U0001f3ff\U000e0020-\U000e007f]"
     "|\u200d[\U0001f000-\U0001faff\u2600-\u27bf\u2b00-\u2bff])*"
 )
 _PICTURES: Final = re.compile(rf"{_EMOJI}|[\ufe0e\ufe0f\u20e3]")
+
+
+def language_tag(text: str) -> str:
+    """What `xml:lang` of the outermost element says; "" where it is plain text or says nothing."""
+    found = _TAG.search(text) if _SPEAK.match(text) else None
+    return found[1] if found else ""
 
 
 def read_script(text: str, source: str = "text", language: str | None = None) -> Script:
