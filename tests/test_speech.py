@@ -18,6 +18,7 @@ from lipwright.speech.acoustic import load_model
 from lipwright.speech.features import HOP, WINDOW, NoiseRemoval, cepstra, spectra_of
 from lipwright.speech.fit import confidence, noise_allowance
 from lipwright.speech.graph import ANY_SPEECH, HUB, build_graph
+from lipwright.speech.held import over_held
 from lipwright.speech.scores import Scores
 from lipwright.speech.search import STRICT, Search
 from lipwright.speech.silence import speech_frames
@@ -135,7 +136,8 @@ class Planted(Scores):
     """Scores that favour the senones of one row of nodes, frame by frame."""
 
     def __init__(self, model, plan):
-        super().__init__(model, np.zeros((len(plan), 13), np.float32))
+        changing = 100 * np.random.default_rng(0).standard_normal((len(plan), 13))
+        super().__init__(model, changing.astype(np.float32))  # no sound is held
         self.plan = plan
 
     def ratios(self, start, stop, senones):
@@ -390,3 +392,14 @@ def test_interrupt_ends_promptly_and_leaves_nothing(tmp_path):
     _, errors = run.communicate(timeout=20)
     assert "KeyboardInterrupt" in errors
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_held_vowel_goes_on_to_the_end_of_its_sound_and_no_further():
+    static = np.zeros((300, 13), np.float32)
+    static[200:] = 100.0
+    weights = np.ones(300, np.float32)
+    weights[20:200] = 0.2
+    spans = [(0, 30), (210, 240)]
+    assert over_held(spans, [(True, True)] * 2, weights, static) == [(0, 200), (210, 240)]
+    assert over_held(spans, [(False, False)] * 2, weights, static) == spans
+    assert over_held([(190, 220)], [(True, True)], weights, static) == [(20, 220)]

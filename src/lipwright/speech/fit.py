@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
@@ -71,6 +71,13 @@ class PlacedWord:
     def stop(self) -> int:
         """The frame after its last."""
         return self.segments[-1].stop
+
+    def moved(self, start: int, stop: int) -> PlacedWord:
+        """The same with another first frame and stop; the score stays that of what was heard."""
+        first, *rest = self.segments
+        segments = [replace(first, start=start), *rest]
+        segments[-1] = replace(segments[-1], stop=stop)
+        return replace(self, segments=tuple(segments))
 
     @property
     def score(self) -> float:

@@ -7,9 +7,11 @@ vowel that scores badly. So the frames of a held sound weigh together as much as
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from lipwright.speech.features import FRAME_RATE, Floats
 
@@ -19,6 +21,8 @@ _REACH: Final = 0.3  # s on both sides over which a held sound stays the same
 # espeak-ng the median is 5 to 18.
 _MOST_CHANGE: Final = 20.0
 _QUIET: Final = -11.5  # of the first cepstrum: 10 dB under the mean of speech
+_FEWEST: Final = 10  # frames that stay the same, so that a long vowel of speech is none
+_SLACK: Final = 20  # frames at both ends of a held sound that are not known to be of it
 _WEIGHT: Final = 0.3  # s of ordinary speech that a held stretch weighs as much as
 
 
@@ -35,12 +39,57 @@ def frame_weights(static: Floats) -> Floats:
     first = reach + smooth_frames // 2
     loud = static[first : first + len(change), 0] > _QUIET
     steady = (np.maximum(change, half) < _MOST_CHANGE) & loud
-    for start, stop in _runs(steady):
-        weights[first + start : first + stop] = min(_WEIGHT * FRAME_RATE / (stop - start), 1.0)
+    # What is the same for `reach` around a frame is one sound, but for the half of what smooths it.
+    sure = reach - smooth_frames // 2
+    whole = np.zeros(len(static), np.bool_)
+    for start, stop in runs(steady):
+        if stop - start >= _FEWEST:
+            whole[first + start - sure : first + stop + sure] = True
+    for start, stop in runs(whole):
+        weights[start:stop] = min(_WEIGHT * FRAME_RATE / (stop - start), 1.0)
     return weights
 
 
-def _runs(marks: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> list[tuple[int, int]]:
+def runs(marks: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Start and stop of each stretch of True."""
     edges = np.flatnonzero(np.diff(np.pad(marks.astype(np.int8), 1)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def over_held(
+    spans: Sequence[tuple[int, int]],
+    vowels: Sequence[tuple[bool, bool]],
+    weights: Floats,
+    static: Floats,
+) -> list[tuple[int, int]]:
+    """Spans of words or phones, longer where the vowel at their edge goes on as the same sound.
+
+    A search may take the rest of a vowel that scores badly for a pause: the mouth would rest.
+
+    Args:
+        spans: first and stop frames, in order, with gaps.
+        vowels: whether each span begins, and ends, with a vowel.
+        weights: (T,) `frame_weights`.
+        static: (T, 13) cepstra.
+    """
+    sounds = [
+        (first, last, static[first:last].mean(axis=0))
+        for first, last in runs(np.asarray(weights < 1))
+    ]
+    found = [list(span) for span in spans]
+    for index, (begins, ends) in enumerate(vowels):
+        before = found[index - 1][1] if index else 0
+        after = spans[index + 1][0] if index + 1 < len(spans) else len(weights)
+        start, stop = spans[index]
+        for first, last, mean in sounds:
+            if first - _SLACK > stop or last + _SLACK < start:
+                continue
+            if begins and first < start < last + _SLACK and _alike(static[start : start + 3], mean):
+                found[index][0] = max(first, before)
+            if ends and first - _SLACK < stop < last and _alike(static[stop - 3 : stop], mean):
+                found[index][1] = min(last, after)
+    return [(start, stop) for start, stop in found]
+
+
+def _alike(frames: Floats, mean: Floats) -> bool:
+    return bool(np.linalg.norm(frames.mean(axis=0) - mean) < 2 * _MOST_CHANGE)

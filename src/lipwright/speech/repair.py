@@ -8,8 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from lipwright.phones import PHONES
 from lipwright.speech.fit import LEAST_FIT, PlacedWord, SpokenRow, noise_allowance, placed_words
 from lipwright.speech.graph import ANY_SPEECH, build_graph
+from lipwright.speech.held import over_held
 from lipwright.speech.search import STRICT, Costs, Search, Segment
 
 _CONTEXT: Final = 2  # right words on each side that are heard again
@@ -69,8 +71,21 @@ class Judge:
         found: dict[int, tuple[int, int, float | None]] = {}
         for run in _runs(misfits, 1):
             self._place_misfits(run, fitting, found)
+        self._hold()
         share, unwritten = self._share(found), self._unwritten()
         return Judged(self.placed, found, self.allowance, share, unwritten)
+
+    def _hold(self) -> None:
+        """Let a vowel at the edge of a word go on as long as its sound does."""
+        indices = sorted(self.placed)
+        words = [self.placed[index] for index in indices]
+        ways = [self.rows[word.index].phones[word.pronunciation] for word in words]
+        vowels = [(PHONES[way[0]].is_vowel, PHONES[way[-1]].is_vowel) for way in ways]
+        spans = over_held(
+            [(w.start, w.stop) for w in words], vowels, self.scores.weights, self.scores.static
+        )
+        for index, word, (start, stop) in zip(indices, words, spans, strict=True):
+            self.placed[index] = word.moved(start, stop)
 
     def _free_neighbours(self, run: list[int], fitting: list[int]) -> None:
         """Align the words around misfits again, as if the misfits were not in the transcript."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, chain, pairwise
 from typing import Final
 
+from lipwright.phones import PHONES
 from lipwright.speech.fit import placed_words
 from lipwright.speech.graph import build_graph
+from lipwright.speech.held import over_held
 from lipwright.speech.scores import Scores
 from lipwright.speech.search import STRICT, Search, Segment
 from lipwright.speech.units import Units, units_of
@@ -46,11 +48,18 @@ def place_phones(
         return []
     graph = build_graph(scores.model, [[list(chain.from_iterable(units))] for _, units in kept])
     path = Search(graph, scores, STRICT).run(start, stop, 0, to_end=True)
-    return list(
+    placed = list(
         chain.from_iterable(
             _phones(*kept[word.index], word.segments) for word in placed_words(graph, path)
         )
     )
+    spans = [(phone.start, phone.stop) for phone in placed]
+    vowels = [(PHONES[phone.symbol].is_vowel,) * 2 for phone in placed]
+    longer = over_held(spans, vowels, scores.weights[:stop], scores.static)
+    return [
+        replace(phone, start=first, stop=last)
+        for phone, (first, last) in zip(placed, longer, strict=True)
+    ]
 
 
 def _phones(

@@ -57,7 +57,7 @@ class Scores:
     def __init__(self, model: AcousticModel, static: Floats) -> None:
         """`static` are cepstra (T, 13) with their mean taken off."""
         self.model = model
-        self._static = static
+        self.static = static
         self.weights = frame_weights(static)
         """(T,) how much each frame counts in a search; less where a sound is held for long"""
         self._loop = PhoneLoop(model)
@@ -66,7 +66,7 @@ class Scores:
 
     def __len__(self) -> int:
         """The number of frames, T."""
-        return len(self._static)
+        return len(self.static)
 
     def ratios(self, start: int, stop: int, senones: npt.NDArray[np.integer]) -> Floats:
         """(stop - start, len(senones)) nats by which a senone beats any speech."""
@@ -90,5 +90,5 @@ class Scores:
     def likelihoods(self, start: int, stop: int, senones: npt.NDArray[np.integer]) -> Floats:
         """(stop - start, len(senones)) natural logarithms of likelihood densities."""
         low, high = max(start - 3, 0), min(stop + 3, len(self))
-        features = with_differences(self._static[low:high])[start - low : stop - low]
+        features = with_differences(self.static[low:high])[start - low : stop - low]
         return self.model.score(features, senones)

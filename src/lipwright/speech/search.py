@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from lipwright.speech.acoustic import AcousticModel
+from lipwright.speech.acoustic import PAUSE, AcousticModel
 from lipwright.speech.features import Floats
 from lipwright.speech.graph import ANY_SPEECH, HUB, Graph
 from lipwright.speech.scores import Scores
@@ -24,6 +24,9 @@ BLOCK: Final = 300  # frames that are searched before the reach moves
 AHEAD: Final = 60  # words in reach after the best hypothesis
 BEAM: Final = 1500.0  # nats behind the best at which a hypothesis falls out of reach
 NEVER: Final = np.float32(-1e30)
+
+# nats a frame at which a pause scores at best in a held sound, which is too loud for one
+_HELD_PAUSE: Final = -4.0
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,15 @@ def _ratios(search: Search, start: int, stop: int, senones: Ints) -> Floats:
     return np.column_stack([heard[:, np.searchsorted(needed, senones[:count])], *best])
 
 
+def _weigh(
+    ratios: Floats, weights: Floats, senones: npt.NDArray[Any], pauses: npt.NDArray[Any]
+) -> None:
+    """Let held sounds count less: `ratios` (T, S) by weights (T, 1) of their frames."""
+    no_pause = (weights < 1) & np.isin(senones, pauses)
+    np.minimum(ratios, np.where(no_pause, np.float32(_HELD_PAUSE), np.float32(np.inf)), out=ratios)
+    ratios *= weights
+
+
 _NOWHERE: Final = np.iinfo(np.intp).min
 
 
@@ -137,6 +149,7 @@ class Search:
         )
         self._several = _padded([graph.predecessors[i] for i in self._choosers], _NOWHERE)
         self._exits = _padded(graph.exits, _NOWHERE)
+        self.pauses = model.sequences[model.base(PAUSE)]
         is_other = graph.senones[:, 0] == ANY_SPEECH
         self._cost = graph.cost + np.where(is_other, self.costs.begin_other, 0).astype(np.float32)
 
@@ -248,7 +261,7 @@ class _Reach:
         ratios = np.full((stop - start, len(senones)), -search.costs.other, np.float32)
         ratios[:, len(senones) - len(spoken) :] = _ratios(search, start, stop, spoken)
         weights = search.scores.weights[start:stop, None]
-        ratios *= weights
+        _weigh(ratios, weights, senones, search.pauses)
         n_frames, n_nodes, n_hubs = len(ratios), self.high - self.low, len(self.at_hub)
         arrived = np.empty((n_frames, 3, n_nodes), np.bool_)
         choices = np.empty((n_frames, len(self._choosers)), np.uint8)
