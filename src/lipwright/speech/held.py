@@ -7,6 +7,7 @@ vowel that scores badly. So the frames of a held sound weigh together as much as
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from typing import Final
 
@@ -76,14 +77,14 @@ def over_held(
         (first, last, static[first:last].mean(axis=0))
         for first, last in runs(np.asarray(weights < 1))
     ]
+    firsts, lasts = [sound[0] for sound in sounds], [sound[1] for sound in sounds]
     found = [list(span) for span in spans]
     for index, (begins, ends) in enumerate(vowels):
         before = found[index - 1][1] if index else 0
         after = spans[index + 1][0] if index + 1 < len(spans) else len(weights)
         start, stop = spans[index]
-        for first, last, mean in sounds:
-            if first - _SLACK > stop or last + _SLACK < start:
-                continue
+        near = slice(bisect_left(lasts, start - _SLACK), bisect_right(firsts, stop + _SLACK))
+        for first, last, mean in sounds[near]:
             if begins and first < start < last + _SLACK and _alike(static[start : start + 3], mean):
                 found[index][0] = max(first, before)
             if ends and first - _SLACK < stop < last and _alike(static[stop - 3 : stop], mean):

@@ -53,11 +53,11 @@ def place_phones(
             _phones(*kept[word.index], word.segments) for word in placed_words(graph, path)
         )
     )
-    spans = [(phone.start, phone.stop) for phone in placed]
+    spans = [(phone.start - start, phone.stop - start) for phone in placed]
     vowels = [(PHONES[phone.symbol].is_vowel,) * 2 for phone in placed]
-    longer = over_held(spans, vowels, scores.weights[:stop], scores.static)
+    longer = over_held(spans, vowels, scores.weights[start:stop], scores.static[start:stop])
     return [
-        replace(phone, start=first, stop=last)
+        replace(phone, start=start + first, stop=start + last)
         for phone, (first, last) in zip(placed, longer, strict=True)
     ]
 
