@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -33,6 +32,7 @@ from lipwright import espeak
 from lipwright.audio import Audio, open_audio
 from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, SpokenWord, get_language
+from lipwright.language.espeak_ipa import read_espeak
 from lipwright.language.ipa import read_ipa
 from lipwright.speech import Alignment, align
 from lipwright.speech.features import FRAME_RATE
@@ -136,13 +136,6 @@ TEXTS = {
 VOICES = {"en": "en-us", "pt": "pt-br"}
 """where the voice's name is not the ISO code"""
 
-# What espeak-ng 1.52 writes in the events of its Mandarin and Swedish voices instead of IPA.
-_ODD_LABELS = (
-    (re.compile(r"^ts\.h"), "ʈʂʰ"), (re.compile(r"^ts\."), "ʈʂ"), (re.compile(r"^s\."), "ʂ"),
-    (re.compile(r"^(tɕ|ts|[ptk])h$"), r"\1ʰ"), (re.compile(r"^i[.\u032A]$"), "ʅ"),
-    (re.compile(r"onɡ"), "ʊŋ"), (re.compile(r"^sx$"), "ɧ"), (re.compile(r"[-,;#\d]"), ""),
-)  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Heard:
@@ -167,20 +160,14 @@ class Said:
 def say(text: str, voice: str, words_per_minute: int = 175) -> Said:
     """The sentence with its true times."""
     speech = espeak.speak(text, voice, words_per_minute=words_per_minute)
+    language = voice.partition("+")[0]
     sounds: list[Heard] = []
     for event in speech.phones:
         start = _start(speech.samples, speech.rate, event.start)
-        for sound in read_ipa(_label(event.label)):
+        for sound in read_espeak(event.label, language):
             sounds.append(Heard(sound.ipa, sound.phone, start, event.position))
             start = np.nan
     return Said(Audio(speech.samples, speech.rate), tuple(sounds))
-
-
-def _label(label: str) -> str:
-    bare = label.strip("ˈˌ")
-    for pattern, ipa in _ODD_LABELS:
-        bare = pattern.sub(ipa, bare)
-    return bare
 
 
 def _start(samples: npt.NDArray[np.float32], rate: int, time: float) -> float:
