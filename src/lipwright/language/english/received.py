@@ -67,7 +67,7 @@ LETTERS: Final = MappingProxyType({
 })  # fmt: skip
 """names of the letters, in the spelling of the lexicon"""
 
-# Said so in running text, most usual first; Wells 2008, under each word.
+# Said so in running text, most usual first; Wells 2008.
 WEAK: Final = MappingProxyType({
     "a": "ə", "an": "ən", "the": "ðə ði", "and": "ən ənd", "or": "ɔː ə", "but": "bət",
     "of": "əv", "to": "tə tu", "for": "fə", "from": "fɹəm", "at": "ət", "as": "əz", "than": "ðən",

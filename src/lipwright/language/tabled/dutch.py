@@ -38,7 +38,7 @@ _ENDS: Final = ("ə", "n")
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """Add the way without the n of -en, which is usual; Gussenhoven 1992, "Conventions"."""
+    """Add the way without the n of -en, which is usual; Gussenhoven 1992."""
     del place
     if not word.endswith("en") or len(word) < 4:
         return ways

@@ -2,10 +2,10 @@
 
 The sounds and their example words follow Fougeron and Smith, "French" (Journal of the
 International Phonetic Association 23, 1993). Liaison follows Grevisse and Goosse, "Le bon usage"
-(2011), sections 41 to 43: after determiners, pronouns, prepositions and adjectives before their
-noun it is made, after "est", "sont" and short adverbs it may be, after "et" never; words with
-aspirated h and a few with a glide take none. Of gruut's two lexicons the one made from a
-dictionary is used; the other says /z/ in "yeux" alone and marks liaison with "-".
+(2011): after determiners, pronouns, prepositions and adjectives before their noun it is made,
+after "est", "sont" and short adverbs it may be, after "et" never; words with aspirated h and a few
+with a glide take none. Of gruut's two lexicons the one made from a dictionary is used; the other
+says /z/ in "yeux" alone and marks liaison with "-".
 """
 
 from __future__ import annotations
@@ -57,11 +57,10 @@ _MAY: Final = MappingProxyType({
     "comment": "t", "cents": "z",
 })  # fmt: skip
 _MUST: Final = MappingProxyType(
-    {**dict.fromkeys(_Z, "z"), **dict.fromkeys(_N, "n"), **dict.fromkeys(_T, "t"),
-    }
-)  # fmt: skip
+    {**dict.fromkeys(_Z, "z"), **dict.fromkeys(_N, "n"), **dict.fromkeys(_T, "t")}
+)
 
-# h that bars elision and liaison ("Le bon usage", section 48), and glides that do
+# h that bars elision and liaison ("Le bon usage"), and glides that do
 _ASPIRATED: Final = re.compile(
     r"(?:hach|hagar|hai[en]|haine|haïr|hais|haillon|hall|halt|hamac|hameau|hamburger|hamster"
     r"|hanche|hand|hangar|hanneton|hant|happ|harangu|haras|harcel|hard|harem|hareng|hargn|haricot"

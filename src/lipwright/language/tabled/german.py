@@ -46,7 +46,7 @@ _SYLLABIC: Final = {"p": "m̩", "b": "m̩", "pf": "n̩", "f": "n̩", "v": "n̩"}
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
     """Add the way of "haben" in fluent speech: -en is a nasal, after p and b with lips shut.
 
-    Kohler 1990, section "Weak forms".
+    Kohler 1990.
     """
     del word, place
     more = []

@@ -48,7 +48,7 @@ _LIPS: Final = frozenset(("p", "b", "m"))
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
-    """The m that n is before lips: "in bocca"; Rogers and d'Arcangeli 2004, section on nasals."""
+    """The m that n is before lips: "in bocca"; Rogers and d'Arcangeli 2004."""
     del word
     if not place.after_sounds or place.after_sounds[0] not in _LIPS:
         return ways

@@ -50,7 +50,7 @@ _OPEN_END: Final = re.compile(r"(?:[aeo]|am|em|as|es|os|ens)$")
 def stress(word: str, sounds: tuple[str, ...], vowels: tuple[int, ...]) -> int:
     """A written accent; else by the ending: the last syllable behind i, u, r, l, z and nasals.
 
-    Cunha and Cintra, "Nova gramática do português contemporâneo" (1985), chapter 4.
+    Cunha and Cintra, "Nova gramática do português contemporâneo" (1985).
     """
     nuclei = [found[0] for found in _NUCLEUS.finditer(_GROUP.sub("k", word))]
     marked = [at for at, text in enumerate(nuclei) if set(text) & set("áéíóúâêô")]

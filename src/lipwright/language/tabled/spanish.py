@@ -1,10 +1,10 @@
 """Spanish of Castile, with the seseo and yeísmo of most other speakers as second ways.
 
 The sounds and their example words follow Martínez-Celdrán, Fernández-Planas and Carrera-Sabaté,
-"Castilian Spanish" (Journal of the International Phonetic Association 33, 2003), the spirants and
-the nasals at word edges its section on allophones: b d g are stops after a pause and a nasal (d
-after l too), and elsewhere approximants, at which the lips do not shut. Of gruut's two lexicons
-the one made with espeak is used, as the other has neither stress nor approximants.
+"Castilian Spanish" (Journal of the International Phonetic Association 33, 2003), and so do the
+spirants and the nasals at word edges: b d g are stops after a pause and a nasal (d after l too),
+and elsewhere approximants, at which the lips do not shut. Of gruut's two lexicons the one made
+with espeak is used, as the other has neither stress nor approximants.
 """
 
 from __future__ import annotations
