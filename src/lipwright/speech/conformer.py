@@ -1,4 +1,4 @@
-"""The network of hama 1.7 in numpy: five to twenty times as fast as hama's own engine.
+"""The network of hama 1.7 in numpy: about six times as fast as hama's own engine.
 
 Weights of another release that cannot be read here are left to that engine.
 
