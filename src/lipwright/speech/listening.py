@@ -52,7 +52,8 @@ class Heard:
     path: Path
     """"words": words were recognised and aligned; "phones": phones were recognised and re-timed"""
     confidence: float
-    """0 to 1, how far to trust it: what share of the phones is likely to be right"""
+    """0 to 1; "phones": the share of phones likely to be right; "words": the recogniser's own
+    probability of its words"""
     text: str = ""
     """the words that were recognised; "" on the path of phones"""
     language: str = "en"
