@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +18,8 @@ from lipwright.language import Dictionary, get_language
 from lipwright.language.swedish import tables
 from lipwright.language.swedish.assimilation import RETROFLEX, assimilate, open_before_r
 from lipwright.language.swedish.frequent import WAYS
-from lipwright.language.swedish.lexicon import align, mend
+from lipwright.language.swedish.guess import Field
+from lipwright.language.swedish.lexicon import SwedishLexicon, align, mend
 from lipwright.language.swedish.numbers import cardinal, ordinal, split_number, year
 from lipwright.language.swedish.sounds import (
     ALSO_SPELT,
@@ -441,3 +443,51 @@ def test_a_hundred_thousand_characters_are_read():
     sentences = [text for source, text, _ in REFERENCES if source == "thesis"]
     text = "\n".join(sentences * 200)[:100_000]
     assert len(SV.pronounce_all(SV.normalize(text))) > 15_000
+
+
+@pytest.fixture
+def away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package of the lexicon's name, with a file of nonsense."""
+    package = tmp_path / "gruut_lang_sv"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "lexicon.db").write_bytes(b"no database, but long enough to be one" * 40)
+    monkeypatch.delitem(sys.modules, "gruut_lang_sv", raising=False)
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    return package
+
+
+def test_a_damaged_lexicon_is_one_line_with_its_remedy(away: Path) -> None:
+    said = r"lexicon\.db: cannot be read: [^\n]*; install gruut-lang-sv again$"
+    with pytest.raises(LipwrightError, match=said):
+        SwedishLexicon().lookup("bok")
+
+
+def test_a_lexicon_without_its_file_is_one_line_with_its_remedy(away: Path) -> None:
+    (away / "lexicon.db").unlink()
+    with pytest.raises(LipwrightError, match=r"lexicon\.db: cannot be read: .*; install"):
+        SwedishLexicon().lookup("bok")
+
+
+def test_a_missing_lexicon_is_one_line_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lipwright.language.swedish.lexicon.find_spec", lambda _: None)
+    with pytest.raises(LipwrightError, match=r"is not installed; run: pip install gruut-lang-sv$"):
+        SwedishLexicon().lookup("bok")
+
+
+# What the field that travels with us says of words that nobody has, and how sure it is; right or
+# wrong. Another model, or another reading of the same model, says something else.
+FIELD = {
+    "blårka": ("b l ˈoː r k a", 0.999), "snöpling": ("s n ˈøː p l ɪ ŋ", 0.966),
+    "fjärtna": ("f j ˈæ r t n a", 0.959), "skvimla": ("s k v ˈɪ m l a", 0.528),
+    "gnodda": ("ɡ n ˈɔ d a", 0.433), "stjörp": ("s t j ˈøː r p", 0.226),
+    "kviltar": ("k v ˈɪ l t a r", 0.814), "hjonsa": ("j ˈʊ n s a", 0.405),
+    "förtrulla": ("f ˈœ r t r ɵ l a", 0.527), "tjyssna": ("ɕ ˈʏ s n a", 0.991),
+    "bromlighet": ("b r ˈɔ m l ɪ ɡ h ˌeː t", 0.788), "knaxera": ("k n ˈa k s ˌeː r a", 0.677),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("word", FIELD)
+def test_the_trained_field_answers_as_it_did_when_it_was_made(word: str) -> None:
+    sounds, sure = Field().guess(word)
+    assert (" ".join(sounds), sure) == (FIELD[word][0], pytest.approx(FIELD[word][1], abs=1e-3))

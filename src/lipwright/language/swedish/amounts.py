@@ -49,17 +49,7 @@ def _is_common(unit: str) -> bool:
     """Whether one of it is "en"."""
     if unit in tables.UNITS:
         return tables.UNITS[unit][2]
-    return unit in (
-        "krona",
-        "kronor",
-        "miljon",
-        "miljoner",
-        "gång",
-        "dag",
-        "timme",
-        "person",
-        "mil",
-    )
+    return unit in tables.COMMON
 
 
 def _plain(text: str, after: str = "", before: str = "") -> list[str]:
@@ -69,7 +59,7 @@ def _plain(text: str, after: str = "", before: str = "") -> list[str]:
         return ordinal(int(text))
     if before in _CLOCK and text.isdigit():
         return cardinal(int(text))
-    counts = after in tables.UNITS or after in ("procent", "kronor", "personer", "gånger", "meter")
+    counts = after in tables.UNITS or after in tables.COUNTED
     if grouped == text and not counts and _YEAR.fullmatch(text):
         return year(int(text))
     if grouped != text and "," not in text and len(text) < _CARDINALS:

@@ -153,6 +153,9 @@ class SwedishLexicon:
 
         The file has no index: 20 searches cost as much as reading it all, and a compound takes
         dozens.
+
+        Raises:
+            LipwrightError: the package is not installed, or its file cannot be read.
         """
         package = find_spec("gruut_lang_sv")
         if package is None or package.origin is None:
@@ -161,9 +164,14 @@ class SwedishLexicon:
             )
         path = Path(package.origin).with_name("lexicon.db")
         entries: dict[str, list[str]] = {}
-        with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro&immutable=1", uri=True)) as file:
-            for word, written in file.execute("SELECT word, phonemes FROM word_phonemes"):
-                entries.setdefault(word, []).append(written)
+        try:
+            with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro&immutable=1", uri=True)) as base:
+                for word, written in base.execute("SELECT word, phonemes FROM word_phonemes"):
+                    entries.setdefault(word, []).append(written)
+        except sqlite3.Error as error:
+            raise LipwrightError(
+                f"{path}: cannot be read: {error}; install gruut-lang-sv again"
+            ) from error
         return {word: tuple(ways) for word, ways in entries.items()}
 
     def __init__(self, leave_out: Collection[str] = ()) -> None:

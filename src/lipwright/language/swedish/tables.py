@@ -68,6 +68,14 @@ UNITS: Final = MappingProxyType({
 })  # fmt: skip
 """behind a number, case as written"""
 
+COMMON: Final = frozenset(
+    ("krona", "kronor", "miljon", "miljoner", "gång", "dag", "timme", "person", "mil")
+)
+"""nouns of common gender: one of it is "en", not "ett" """
+
+COUNTED: Final = frozenset(("procent", "kronor", "personer", "gånger", "meter"))
+"""nouns whose number is no year: "1990 kronor" """
+
 LONE_UNITS: Final = frozenset(
     ("kr", "mm", "cm", "dm", "km", "kg", "mg", "kvm", "km/h", "kHz", "MHz")
 )
