@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from lipwright.cli.progress import say
@@ -16,10 +18,12 @@ Examples:
 LIST_EXAMPLES = """\b
 Example:
   lipwright asr list
+    no model is on this machine; fetch one with: lipwright asr fetch small
 """
 FETCH_EXAMPLES = """\b
 Example:
   lipwright asr fetch small
+    small: is in models--Systran--faster-whisper-small
 """
 
 
@@ -46,4 +50,4 @@ def fetch(name: str) -> None:
     """Download a model by its name: tiny, base, small, medium, large-v3, ..."""
     from lipwright.speech.transcriber import fetch_model
 
-    say(f"{name}: {fetch_model(name)}")
+    say(f"{name}: is in {Path(fetch_model(name)).parents[1].name}")
