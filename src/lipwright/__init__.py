@@ -19,7 +19,15 @@ if TYPE_CHECKING:
     from lipwright.errors import LipwrightError
     from lipwright.export import Performance, export_all, export_clip
     from lipwright.formats import read_track, write_track
-    from lipwright.pipeline import AlignOptions, AnimateOptions, align_speech, animate
+    from lipwright.pipeline import (
+        AlignOptions,
+        AnimateOptions,
+        SayOptions,
+        align_speech,
+        animate,
+        hear_speech,
+        say,
+    )
     from lipwright.rig import Rig
     from lipwright.track import PhoneTrack
     from lipwright.version import VERSION as __version__  # noqa: N811  # as Python calls it
@@ -33,12 +41,15 @@ _HOMES = {
     "Performance": "lipwright.export",
     "PhoneTrack": "lipwright.track",
     "Rig": "lipwright.rig",
+    "SayOptions": "lipwright.pipeline",
     "align_speech": "lipwright.pipeline",
     "animate": "lipwright.pipeline",
     "export_all": "lipwright.export",
     "export_clip": "lipwright.export",
+    "hear_speech": "lipwright.pipeline",
     "read_audio": "lipwright.audio",
     "read_track": "lipwright.formats",
+    "say": "lipwright.pipeline",
     "write_track": "lipwright.formats",
 }
 
@@ -51,13 +62,16 @@ __all__ = [
     "Performance",
     "PhoneTrack",
     "Rig",
+    "SayOptions",
     "__version__",
     "align_speech",
     "animate",
     "export_all",
     "export_clip",
+    "hear_speech",
     "read_audio",
     "read_track",
+    "say",
     "write_track",
 ]
 
