@@ -122,7 +122,9 @@ CONTEXTS: Final = tuple(
 PHRASES: Final = MappingProxyType({
     "大夫": "dai fu", "长江大桥": "chang jiang da qiao", "银行长": "yin hang zhang",
     "一行": "yi hang", "三行": "san hang", "重置": "chong zhi", "重做": "chong zuo",
-    "长大后": "zhang da hou",
+    "长大后": "zhang da hou", "面包": "mian bao", "视频": "shi pin", "手机": "shou ji",
+    "和面包": "he mian bao", "电脑": "dian nao", "旅游": "lü you", "直播": "zhi bo",
+    "主播": "zhu bo",
 })  # fmt: skip
 """words that the lexicon lacks, or that it reads as old books do"""
 

@@ -111,7 +111,8 @@ SAID: Final = MappingProxyType({
     "tee": "t ˈeː", "u": "ˈy", "vee": "v ˈeː", "wee": "ʋ ˈeː", "ix": "ˈɪ k s", "ij": "ˈɛi̯",
     "zet": "z ˈɛ t", "een": "ə n / ˈeː n", "één": "ˈeː n", "het": "ə t / ɦ ɛ t", "'t": "ə t",
     "'s": "s", "'n": "ə n", "m'n": "m ə n", "z'n": "z ə n", "d'r": "d ə r", "zo'n": "z oː n",
-    "chef": "ʃ ˈɛ f", "dat": "d ɑ t",
+    "chef": "ʃ ˈɛ f", "dat": "d ɑ t", "dit": "d ɪ t", "tot": "t ɔ t", "dicht": "d ˈɪ x t",
+    "totdat": "t ɔ t d ˈɑ t", "wonen": "ʋ ˈoː n ə n", "journalist": "ʒ u r n aː l ˈɪ s t",
     "goal": "ɡ ˈoː l", "jury": "ʒ ˈy r i", "ik": "ɪ k / ə k",
 })  # fmt: skip
 

@@ -73,6 +73,10 @@ _SILENT: Final = MappingProxyType({
     "six": ("s i", "z"), "dix": ("d i", "z"), "huit": ("ɥ i", "t"),
 })  # fmt: skip
 _ONES: Final = frozenset(("deux", "trois", "quatre", "cinq", "six", "sept", "huit", "neuf"))
+_BEFORE: Final = MappingProxyType({
+    "vingt": ("v ɛ̃ t", _ONES), "neuf": ("n ˈœ v", frozenset(("heures", "ans"))),
+})  # fmt: skip
+"""word to what it is before certain others"""
 
 
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
@@ -97,8 +101,8 @@ def _with_liaison(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, 
     takes = _takes_liaison(place)
     if word in _SILENT and place.after:
         return _number(word, ways, takes)
-    if word == "vingt" and place.after in _ONES:
-        return (Way(("v", "ɛ̃", "t"), "rule"),)
+    if word in _BEFORE and place.after in _BEFORE[word][1]:
+        return (Way(tuple(_BEFORE[word][0].split()), "rule"),)
     if word in _N_OPENS and takes:
         return (Way(tuple(_N_OPENS[word].split()), "rule"), *ways)
     consonant = _MUST.get(word) or _MAY.get(word)
@@ -210,7 +214,7 @@ SAID: Final = MappingProxyType({
     "six": "s i s", "dix": "d i s", "tous": "t u / t u s", "en": "ɑ̃", "on": "ɔ̃", "dans": "d ɑ̃",
     "lui": "l ɥ i", "louis": "l w i",
     "hier": "j ɛ ʁ / i j ɛ ʁ", "se": "s ə", "huit": "ɥ i t", "aulnes": "o n",
-    "vingt": "v ɛ̃",
+    "vingt": "v ɛ̃", "gens": "ʒ ɑ̃", "cet": "s ɛ t",
 })  # fmt: skip
 
 TABLES: Final = Tables(

@@ -129,7 +129,15 @@ SAID: Final = MappingProxyType({
     "goethe": "ɡ ˈøː t ə", "lippenstift": "l ˈɪ p ə n ʃ t ˌɪ f t",
     "europa": "ɔɪ̯ ʁ ˈoː p aː",
     "der": "d eː ɐ̯ / d ɐ", "er": "eː ɐ̯ / ɐ", "wer": "v eː ɐ̯", "genie": "ʒ eː n ˈiː",
-    "restaurant": "ʁ ɛ s t oː ʁ ˈɑ̃",
+    "restaurant": "ʁ ɛ s t oː ʁ ˈɑ̃", "chefin": "ʃ ˈɛ f ɪ n",
+    "orange": "oː ʁ ˈɑ̃ ʒ ə / oː ʁ ˈa ŋ ʒ ə", "orangen": "oː ʁ ˈɑ̃ ʒ ə n / oː ʁ ˈa ŋ ʒ ə n",
+    "orangensaft": "oː ʁ ˈɑ̃ ʒ ə n z ˌa f t / oː ʁ ˈa ŋ ʒ ə n z ˌa f t",
+    "champignon": "ʃ ˈa m p ɪ n j ɔ ŋ", "champignons": "ʃ ˈa m p ɪ n j ɔ ŋ s",
+    "garage": "ɡ a ʁ ˈaː ʒ ə", "garagen": "ɡ a ʁ ˈaː ʒ ə n", "journal": "ʒ ʊ ʁ n ˈaː l",
+    "journalist": "ʒ ʊ ʁ n a l ˈɪ s t", "circa": "ts ˈɪ ʁ k a", "celsius": "ts ˈɛ l z iː ʊ s",
+    "wachs": "v ˈa k s", "fuchs": "f ˈʊ k s", "team": "t ˈiː m", "teams": "t ˈiː m s",
+    "meeting": "m ˈiː t ɪ ŋ", "cool": "k ˈuː l", "jeans": "dʒ ˈiː n s", "gin": "dʒ ˈɪ n",
+    "bücher": "b ˈyː ç ɐ", "ingenieur": "ɪ n ʒ eː n j ˈøː ɐ̯", "baguette": "b a ɡ ˈɛ t",
 })  # fmt: skip
 
 TABLES: Final = Tables(

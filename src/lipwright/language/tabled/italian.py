@@ -128,7 +128,7 @@ SAID: Final = MappingProxyType({
     "ipsilon": "ˈi p s i l o n",
     "e": "e", "è": "ˈɛ", "o": "o", "a": "a", "i": "i", "u": "u", "un": "u n", "casa": "k ˈa s a",
     "zio": "ts ˈi o / dz ˈi o", "zia": "ts ˈi a / dz ˈi a",
-    "aiuola": "a j w ˈɔ l a",
+    "aiuola": "a j w ˈɔ l a", "due": "d ˈu e",
 })  # fmt: skip
 
 TABLES: Final = Tables(

@@ -160,6 +160,7 @@ SAID: Final = MappingProxyType({
     "dáblio": "d ˈa b l i u", "ípsilon": "ˈi p s i l õ", "que": "k i", "se": "s i", "de": "dʒ i",
     "do": "d u", "dos": "d u s", "no": "n u", "nos": "n u s", "por": "p o ɾ",
     "põem": "p ˈõj̃", "põem-se": "p ˈõj̃ s i",
+    "das": "d a s", "luz": "l ˈu s", "voz": "v ˈɔ s", "faz": "f ˈa s", "dez": "d ˈɛ s",
 })  # fmt: skip
 
 TABLES: Final = Tables(

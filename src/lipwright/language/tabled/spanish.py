@@ -41,6 +41,23 @@ _LIPS: Final = frozenset("pbm")
 _ELSEWHERE: Final = MappingProxyType({"θ": "s", "ʎ": "ʝ"})
 
 
+def finish(word: str, sounds: tuple[str, ...]) -> tuple[str, ...]:
+    """The w that ü is, of which the lexicon makes a syllable: "pingüino"."""
+    if "ü" not in word:
+        return sounds
+    done = list(sounds)
+    for at in range(1, len(done) - 1):
+        around = (plain(done[at - 1]), plain(done[at]), plain(done[at + 1])[0])
+        if around[0] in ("ɡ", "ɣ") and around[1] == "u" and around[2] in "ei":
+            before = [vowel for vowel in range(at) if plain(done[vowel])[0] in "aeiou"]
+            if done[at][0] == "ˈ" and before:  # "bilingüe"
+                done[before[-1]] = "ˈ" + plain(done[before[-1]])
+            elif done[at][0] == "ˈ":
+                done[at + 1] = "ˈ" + plain(done[at + 1])
+            done[at] = "w"
+    return tuple(done)
+
+
 def link(word: str, ways: tuple[Way, ...], place: Place) -> tuple[Way, ...]:
     """What b d g are after their neighbour, m for n before lips, and seseo and yeísmo."""
     del word
@@ -123,6 +140,7 @@ SAID: Final = MappingProxyType({
     "méxico": "m ˈe x i k o", "mexicano": "m e x i k ˈa n o", "mexicana": "m e x i k ˈa n a",
     "texas": "t ˈe x a s", "oaxaca": "o a x ˈa k a", "israel": "i s r a ˈe l",
     "onu": "ˈo n u", "otan": "ˈo t a n", "yo": "ʝ ˈo", "ya": "ʝ ˈa", "muy": "m ˈu i̯",
+    "wifi": "w ˈi f i", "google": "ɡ ˈu ɣ l e",
 })  # fmt: skip
 
 TABLES: Final = Tables(
@@ -135,6 +153,6 @@ TABLES: Final = Tables(
     address={".": "punto", "/": "barra", "@": "arroba", "-": "guion", "_": "guion bajo"},
     letter_names=LETTER_NAMES, said=SAID,
     spelt=frozenset(("usa", "ue", "iva", "adn", "pp", "dni", "tv", "onu")) - {"onu", "iva"},
-    link=link,
+    finish=finish, link=link,
 )  # fmt: skip
 """the language with the code "es" """
