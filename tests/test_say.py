@@ -93,6 +93,15 @@ def test_the_command_writes_curves_phones_and_the_sound_beside_them(tmp_path: Pa
     assert len(clip.values) / clip.fps == pytest.approx(sound.duration, abs=0.05)
 
 
+def test_a_head_that_speaks_has_its_sound_beside_it(head: Head, tmp_path: Path) -> None:
+    del head
+    for _ in range(2):
+        run = lipwright("say", "Hello.", "-o", "hello.glb", "-o", "hello.csv", cwd=tmp_path)
+        assert run.returncode == 0, run.stderr
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["hello.csv", "hello.glb", "hello.wav"]
+
+
 def test_saying_the_same_twice_gives_the_same_files(tmp_path: Path) -> None:
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
@@ -107,12 +116,12 @@ def test_a_recording_of_the_users_is_not_replaced(tmp_path: Path) -> None:
     write_wav(tmp_path / "hello.wav", Audio(np.zeros(800, np.float32), 8000))
     before = (tmp_path / "hello.wav").read_bytes()
     run = lipwright("say", "Hello.", "-o", "hello.csv", cwd=tmp_path)
-    assert_refused(run, "hello.wav", "was not made by 'lipwright say'", "--sound")
+    assert_refused(run, "hello.wav", "was not made by Lipwright", "--sound")
     assert (tmp_path / "hello.wav").read_bytes() == before
     assert not (tmp_path / "hello.csv").exists()
     named = lipwright("say", "Hello.", "-o", "hello.csv", "--sound", "voice.flac", cwd=tmp_path)
     assert named.returncode == 0, named.stderr
-    assert written_by(tmp_path / "voice.flac") == "lipwright say"
+    assert written_by(tmp_path / "voice.flac") == "Lipwright"
 
 
 def test_its_own_sound_is_replaced(tmp_path: Path) -> None:

@@ -99,15 +99,16 @@ def _looks_like_file(text: str) -> bool:
         return False
 
 
-def read_text(text: str) -> tuple[str, str]:
-    """The words that `--text` means, and their name for errors.
+def read_text(text: str, said: str = "--text") -> tuple[str, str]:
+    """The words that an option or argument means, and their name for errors.
 
-    `text` is a file where there is one of that name, `-` standard input, else the words.
+    `text` is a file where there is one of that name, `-` standard input, else the words, which are
+    called `said`.
 
     Raises:
         LipwrightError: the file is missing, too long or not text, or there are control characters.
     """
-    words, name = _words_of(text)
+    words, name = _words_of(text, said)
     found = _CONTROL.search(words)
     if found:
         line = words.count("\n", 0, found.start()) + 1
@@ -119,11 +120,11 @@ def read_text(text: str) -> tuple[str, str]:
     return words, name
 
 
-def _words_of(text: str) -> tuple[str, str]:
+def _words_of(text: str, said: str) -> tuple[str, str]:
     if text == STDIN:
         return _decode(piped_in().read(MAX_TEXT), "standard input"), "standard input"
     if text.lstrip().startswith("<"):  # SSML, whose slashes are no folders
-        return text, "--text"
+        return text, said
     try:
         is_folder = Path(text).is_dir()
         is_file = Path(text).exists() and not is_folder  # a pipe too, as of <(echo hello)
@@ -142,5 +143,6 @@ def _words_of(text: str) -> tuple[str, str]:
             raise LipwrightError(f"{text}: cannot be read: {error.strerror}") from error
     if (is_folder and os.sep in text) or _looks_like_file(text):
         what = "is a folder" if is_folder else "no such file"
-        raise LipwrightError(f"{text}: {what}; --text takes the words or a file of them")
-    return text, "--text"
+        takes = "takes the words" if said.startswith("-") else "may be words"
+        raise LipwrightError(f"{text}: {what}; {said} {takes} or a file of them")
+    return text, said

@@ -108,8 +108,7 @@ def _print_text(text: str, code: str, dictionary: Path | None, as_json: bool) ->
     from lipwright.language.detect import check_language
     from lipwright.pipeline import language_of
 
-    written, source = read_text(text)
-    source = "the text" if source == "--text" else source
+    written, source = read_text(text, "the text")
     code = language_of(code, written, source)
     note = check_language(written, code, source)
     language = get_language(code)

@@ -56,7 +56,6 @@ Example:
   lipwright voices
     hibari:heart  en  American English, female
 """
-_WRITTEN_BY = "lipwright say"
 
 
 @click.command(epilog=SAY_EXAMPLES)
@@ -92,8 +91,7 @@ def say(
 
     targets = targets_of(out, outputs_known(), format)
     curves, tracks = tracks_apart(targets, suffix_of(format))
-    words, source = read_text(text)
-    source = "the text" if source == "--text" else source
+    words, source = read_text(text, "the text")
     options = motion.options(layers, wanted)
     beside = _sound_path(sound, targets)
     exporters_of(curves, suffix_of(format), wanted, options.controls(), no_head(options))
@@ -127,6 +125,7 @@ def _sound_path(sound: Path | None, targets: tuple[str, ...]) -> Path | None:
         LipwrightError: it has no suffix of sound, or would replace a recording of the user's.
     """
     from lipwright.audio import written_by
+    from lipwright.export.sidecar import MAKER
 
     if sound is not None:
         if sound.suffix.casefold() not in (".wav", ".flac"):
@@ -136,10 +135,10 @@ def _sound_path(sound: Path | None, targets: tuple[str, ...]) -> Path | None:
     if not files:
         return None
     beside = files[0].with_name(f"{_stem(files[0])}.wav")
-    if os.path.exists(beside) and written_by(beside) != _WRITTEN_BY:  # noqa: PTH110  # of any length
+    if os.path.exists(beside) and written_by(beside) != MAKER:  # noqa: PTH110  # of any length
         raise LipwrightError(
-            f"{beside}: this sound was not made by 'lipwright say', and is kept; name another "
-            "place for the voice's with --sound"
+            f"{beside}: this sound was not made by Lipwright, and is kept; name another place for "
+            "the voice's with --sound"
         )
     return beside
 
@@ -153,9 +152,10 @@ def _stem(path: Path) -> str:
 
 def _write_sound(path: Path, audio: Audio) -> None:
     from lipwright.audio import write_flac, write_wav
+    from lipwright.export.sidecar import MAKER
 
     write = write_flac if path.suffix.casefold() == ".flac" else write_wav
-    write(path, audio, software=_WRITTEN_BY)
+    write(path, audio, software=MAKER)
 
 
 def _tell_sound(path: Path | None, said: Utterance, progress: str) -> None:

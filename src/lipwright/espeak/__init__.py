@@ -50,7 +50,8 @@ MAX_WORDS_PER_MINUTE: Final = 900
 _SAMPLE_RATE: Final = 22_050  # Hz, of every voice that is not MBROLA's
 _TIMEOUT: Final = 20.0  # s; and for each character, which takes about 0.1 ms:
 _TIMEOUT_PER_CHARACTER: Final = 0.01
-_USUAL: Final = MappingProxyType({"en": "en-us", "zh": "cmn"})  # what a code alone means to us
+# What a code alone means to us: the text front ends are of the same countries.
+_USUAL: Final = MappingProxyType({"en": "en-us", "zh": "cmn", "fr": "fr-fr", "pt": "pt-br"})
 _BETWEEN: Final = "_"  # phonemes, when we ask for IPA; only the "k_h" of Thai and Shan has one
 _SWITCH: Final = re.compile(r"\([a-z][a-zA-Z0-9-]*\)")  # "(en)": from here on in that language
 _VOICE: Final = re.compile(r"([A-Za-z0-9-]+)(?:\+([A-Za-z0-9_-]{1,30}))?")

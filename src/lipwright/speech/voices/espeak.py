@@ -24,6 +24,7 @@ from lipwright.speech.voices.espeak_times import spoken_samples, to_stretch
 from lipwright.speech.voices.scripts import check_text
 from lipwright.speech.voices.timeline import Stretch, Timeline
 from lipwright.speech.voices.values import Emphasis, Piece, Script, Utterance, VoiceInfo
+from lipwright.speech.voices.written_out import written_out
 
 if TYPE_CHECKING:
     from lipwright.speech.aligner import Progress
@@ -97,6 +98,7 @@ class EspeakVoice:
         """
         for piece in script:
             check_text(piece, source)
+        script = written_out(script, self._info.language, source)
         timeline = Timeline(RATE)
         whole = sum(map(_size, script)) or 1
         done, joins = 0, False

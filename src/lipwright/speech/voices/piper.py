@@ -26,6 +26,7 @@ from lipwright.speech.voices.piper_text import Sentence, sentences, spoken_phone
 from lipwright.speech.voices.scripts import check_text
 from lipwright.speech.voices.timeline import Stretch, Timed, Timeline
 from lipwright.speech.voices.values import Emphasis, Piece, Script, Utterance, VoiceInfo
+from lipwright.speech.voices.written_out import written_out
 
 if TYPE_CHECKING:
     from lipwright.speech.aligner import Progress
@@ -65,6 +66,7 @@ class PiperVoice:
         """
         for piece in script:
             check_text(piece, source)
+        script = written_out(script, self._info.language, source)
         timeline = Timeline(self._config.rate)
         joins, said_any = False, False
         for number, piece in enumerate(script, 1):
