@@ -188,7 +188,7 @@ def _doubts(phones: Sequence[TimedPhone], sure: float, masked: bool) -> list[str
     """What is not to be trusted: all of it, or stretches."""
     from lipwright.speech.utterances import unsure_stretches
 
-    why, remedy = "(noise or music under the speech?)", "give the words with --text"
+    why, remedy = "(noise, music, or another language?)", "give the words with --text"
     if sure < _UNSURE or (masked and sure < _LESS_SURE):
         return [f"only about {_tenths(sure)} phones are likely to be right {why}; {remedy}"]
     return _some(

@@ -39,6 +39,7 @@ _TURNED_INTO_FRAMES: Final = "CumSum"
 # Beyond this rate more and more phones last one FRAME, which they cannot fall under: at 2 a
 # sentence takes 0.57 of its usual time, at 4 0.44. What is faster is said so and made shorter.
 _FASTEST: Final = 1.5
+_JOIN, _COMMA = 0.04, 0.25  # s of silence where the rate changes inside a phrase, or at a comma
 """the model's only node of this kind counts up the frames of the letters"""
 _MAGNITUDES: Final = (0, 2, 3)  # outputs that are natural logarithms, as `hibari.dsp.synth` says
 _PITCH: Final = 5  # output in Hz
@@ -109,7 +110,7 @@ class HibariVoice:
                     body = body.stretched(factor, RATE)
                 timeline.add(_bridge(tail, head, pause, at_end=number == 1))
                 timeline.add(replace(body, words=line.words))
-                tail, pause = rest, line.pause
+                tail, pause = rest, _pause_behind(line, lines[number : number + 1])
                 if progress:
                     progress(number / len(lines))
         timeline.add(_bridge(tail, tail[:0], pause, at_end=True))
@@ -209,6 +210,17 @@ def _emphasise(
         for number in _MAGNITUDES:
             spectra[number] += gain
         pitch *= 1 + share * np.float32(manner.pitch - 1)
+
+
+def _pause_behind(line: Line, following: Sequence[Line]) -> float | None:
+    """Seconds up to the next line; None for what the voice makes by itself.
+
+    A line that only another rate parts from the next, inside a phrase, has next to none.
+    """
+    if line.pause is not None or not following or following[0].rate == line.rate:
+        return line.pause
+    mark = line.letters.rstrip()[-1:]
+    return None if mark in ".!?…" else _COMMA if mark in ",;:—" else _JOIN
 
 
 def _bridge(tail: Samples, head: Samples, pause: float | None, at_end: bool) -> Stretch:
