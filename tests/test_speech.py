@@ -403,3 +403,16 @@ def test_a_held_vowel_goes_on_to_the_end_of_its_sound_and_no_further():
     assert over_held(spans, [(True, True)] * 2, weights, static) == [(0, 200), (210, 240)]
     assert over_held(spans, [(False, False)] * 2, weights, static) == spans
     assert over_held([(190, 220)], [(True, True)], weights, static) == [(20, 220)]
+
+
+@pytest.mark.parametrize("kind", ["tone", "saw", "noise"])
+def test_sounds_that_do_not_change_are_no_words(kind: str) -> None:
+    times = np.arange(3 * 16000) / 16000
+    sounds = {
+        "tone": 0.3 * np.sin(2 * np.pi * 220 * times),
+        "saw": 0.3 * ((times * 130) % 1 - 0.5),
+        "noise": 0.1 * np.random.default_rng(0).standard_normal(len(times)),
+    }
+    words = get_language("en").normalize("Hello there, and many more words than that.")
+    with pytest.raises(LipwrightError, match="the text does not fit the sound"):
+        align(Audio(sounds[kind].astype(np.float32), 16000), words)

@@ -81,9 +81,14 @@ class PlacedWord:
 
     @property
     def score(self) -> float:
-        """Mean log-likelihood ratio a frame against any speech, short words drawn towards 0."""
+        """Mean log-likelihood ratio a frame against any speech, short words drawn towards 0.
+
+        Frames of held sounds count as little here as in the sum, or any text would fit a hum.
+        """
         total = sum(segment.score for segment in self.segments)
-        return max(total / (self.stop - self.start + _EXTRA_FRAMES), WORST)
+        weight = sum(segment.weight for segment in self.segments)
+        frames = self.stop - self.start
+        return max(total / weight * frames / (frames + _EXTRA_FRAMES), WORST)
 
 
 def placed_words(graph: Graph, path: Sequence[Segment], first: int = 0) -> list[PlacedWord]:

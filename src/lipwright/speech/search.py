@@ -77,7 +77,9 @@ class Segment:
     stop: int
     """frame after its last"""
     score: float
-    """nats by which it beats any speech, summed over its frames"""
+    """nats by which it beats any speech, summed over its frames as they count"""
+    weight: float
+    """frames that it counts for: as many as it has, fewer in held sounds"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +192,8 @@ class Search:
             if block.arrived[row, state, node]:
                 state -= 1
                 if state < 0:
-                    path.append(Segment(place, frame, end, total))
+                    weight = float(self.scores.weights[frame:end].sum())
+                    path.append(Segment(place, frame, end, total, weight))
                     end, total, state = frame, 0.0, 2
                     chooser = block.choosers[node]
                     which = 0 if chooser < 0 else block.choices[row, chooser]
