@@ -32,13 +32,14 @@ from lipwright import espeak
 from lipwright.audio import Audio, open_audio
 from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, SpokenWord, get_language
+from lipwright.language.codes import is_english
 from lipwright.language.espeak_ipa import read_espeak
 from lipwright.language.ipa import read_ipa
 from lipwright.speech import Alignment, align
 from lipwright.speech.features import FRAME_RATE
 from lipwright.speech.fit import SpokenRow
 from lipwright.speech.recording import spectra, static_features
-from lipwright.speech.sphinx import align_rows, is_english
+from lipwright.speech.sphinx import align_rows
 from lipwright.speech.units import all_units
 from warping import move_times, warp
 

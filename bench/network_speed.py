@@ -32,7 +32,7 @@ from lipwright.engines.window import CHUNK_FRAMES, FrameMean
 from lipwright.files import write_whole
 from lipwright.network import Network, load_network
 from lipwright.network.meta import MODEL_FILE
-from lipwright.network.runtime import import_onnxruntime
+from lipwright.onnx_session import import_onnxruntime
 from lipwright.phones import SILENCE
 from lipwright.track import PhoneTrack
 

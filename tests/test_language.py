@@ -195,6 +195,7 @@ WORDS = st.text("abcdeinorst'.-$%:/,1230", min_size=1, max_size=12)
 @example(".'.")
 @example("a.b.c.")
 @example("#")
+@example("a0A´A")
 def test_any_text_gives_words_that_stay_and_can_be_said_or_a_clear_error(text):
     try:
         words = EN.normalize(text)

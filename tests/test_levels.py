@@ -22,7 +22,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
         frozenset,
         (
             ("errors", "version"),
-            ("files", "lock", "npz", "onnx_bytes", "phones", "controls"),
+            ("files", "lock", "npz", "onnx_bytes", "onnx_session", "phones", "controls"),
             ("wheels", "decode", "espeak"),
             ("audio", "track", "clip", "curves"),
             ("formats", "language", "face", "keys"),

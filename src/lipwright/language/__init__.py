@@ -44,9 +44,10 @@ def get_language(code: str) -> Language:
     Raises:
         LipwrightError: there is none.
     """
-    from lipwright.language.codes import resolve_code
+    if code not in LANGUAGES:
+        from lipwright.language.codes import resolve_code
 
-    known = code if code in LANGUAGES else resolve_code(code)
-    if known != code:
-        return get_language(known)
+        known = resolve_code(code)
+        if known != code:
+            return get_language(known)
     return cast(Language, import_module(LANGUAGES.get(code, _OTHERS)).make(code))

@@ -224,3 +224,8 @@ def _known() -> str:
         f"use one of: {', '.join(OURS)}; espeak-ng speaks {len(NAMES) - len(OURS)} more, such as "
         "fi, pl, ko, ru, tr, ar and hi: pip install 'lipwright[espeak]'"
     )
+
+
+def is_english(code: str) -> bool:
+    """Whether a code is that of English, of any country."""
+    return code.partition("-")[0].casefold() == "en"

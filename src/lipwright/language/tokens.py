@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NoReturn
 
 from lipwright.errors import LipwrightError
 
@@ -77,6 +77,31 @@ def trim(core: str, is_amount: Callable[[str], object]) -> str:
     while core != (inner := core.rstrip(EDGE)) or (core.endswith((".'", '."')) and len(core) > 1):
         core = inner[:-1] if core == inner else inner
     return core if is_amount(core) else core.lstrip(".-")
+
+
+def refuse_foreign(
+    written: str, place: str, column: int, is_foreign: Callable[[str], bool], language: str
+) -> NoReturn:
+    """Refuse a token with letters that a language lacks; names them and where they stand.
+
+    Args:
+        written: the token.
+        place: where it stands: "text: line 3".
+        column: of its first character, from 1.
+        is_foreign: whether a character, as written, has such letters. A letter may fall apart when
+            a token is made plain; what is named is what was written.
+        language: in English.
+
+    Raises:
+        LipwrightError: always.
+    """
+    first = next((at for at, char in enumerate(written) if is_foreign(char)), 0)
+    run = written[first : first + 12]
+    foreign = "".join(filter(is_foreign, run))
+    raise LipwrightError(
+        f"{place}, column {column + first}: {foreign or run!r} is not in {language} letters; spell "
+        "it in them, or choose the language of the text"
+    )
 
 
 def is_letter(char: str) -> bool:

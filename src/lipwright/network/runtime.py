@@ -5,8 +5,7 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +15,7 @@ from lipwright.network.folder import REMEDY, PathLike, find_model, read_hashed, 
 from lipwright.network.meta import GOLDEN_FILE, MODEL_FILE, ModelMeta
 from lipwright.npz import BROKEN, reason_of
 from lipwright.onnx_bytes import has_external_data
+from lipwright.onnx_session import open_session
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
@@ -25,7 +25,6 @@ Floats = npt.NDArray[np.float32]
 INPUT: Final = "features"
 OUTPUT: Final = "controls"
 GOLDEN_TOLERANCE: Final = 1e-4  # of a full range, or of a mode's standard deviation
-_FATAL: Final = 4  # onnxruntime's severity; what fails comes as an exception anyway
 
 
 class Network:
@@ -136,28 +135,9 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def import_onnxruntime() -> ModuleType:
-    """onnxruntime, told before it is loaded to tell nobody what it runs.
-
-    From 1.31 on it writes an identifier into the temporary folder while it is imported, to send
-    usage metrics with.
-    """
-    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
-    import onnxruntime
-
-    return cast(ModuleType, onnxruntime)
-
-
 def _open_session(path: Path, content: bytes) -> InferenceSession:
-    onnxruntime = import_onnxruntime()
-    options = onnxruntime.SessionOptions()
-    options.log_severity_level = _FATAL
-    options.intra_op_num_threads = _cores()
-    options.inter_op_num_threads = 1
-    # Threads that spin while they wait made a run of 1 s last 40 s on a busy machine.
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
-        return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+        return open_session(content, _cores())
     except Exception as error:  # it has a class for each kind of refusal, with no common one
         raise LipwrightError(
             f"{path}: onnxruntime cannot run it ({reason_of(error)}); {REMEDY}"

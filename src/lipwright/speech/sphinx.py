@@ -59,6 +59,8 @@ class SphinxAligner:
         Raises:
             LipwrightError: nothing is heard, or the words do not fit the sound.
         """
+        from lipwright.language.codes import is_english
+
         rows = spoken_rows(words, language, dictionary)
         return align_rows(audio, rows, progress, is_english(language))
 
@@ -88,11 +90,6 @@ def align_rows(
     path = find_path(search, lambda share: report(_HEARD + (1 - _HEARD) * share))
     judged = Judge(search, path, rows, 0.0 if english else FOREIGN_ALLOWANCE).judge()
     return to_alignment(judged, rows, audio, LEAST_SHARE if english else LEAST_SHARE_FOREIGN)
-
-
-def is_english(language: str) -> bool:
-    """Whether the ISO code is that of a kind of English, which the model knows."""
-    return language.split("-", maxsplit=1)[0] == "en"
 
 
 def spoken_rows(

@@ -14,8 +14,8 @@ from typing import Any, Final
 from lipwright.errors import LipwrightError
 from lipwright.formats.intervals import Interval
 from lipwright.language.base import Pronunciation
+from lipwright.language.codes import is_english
 from lipwright.language.ipa import read_ipa
-from lipwright.streams.labels import is_english
 from lipwright.streams.saying import Said, give_room, span_intervals
 from lipwright.streams.source import (
     Fields,

@@ -8,6 +8,7 @@ from typing import Final
 
 from lipwright.errors import LipwrightError
 from lipwright.formats.intervals import Interval
+from lipwright.language.codes import is_english
 from lipwright.language.ipa import Sound, read_ipa
 from lipwright.phones import SILENCE, is_silence_label, parse_phone
 from lipwright.streams.placing import paced
@@ -45,11 +46,6 @@ def read_labels(
         except LipwrightError:
             continue
     return None
-
-
-def is_english(language: str) -> bool:
-    """Whether a code is that of English, of any country."""
-    return language.partition("-")[0].casefold() == "en"
 
 
 def is_arpabet(label: str) -> bool:

@@ -16,8 +16,9 @@ from typing import Any, Final
 from lipwright.errors import LipwrightError
 from lipwright.formats import textgrid
 from lipwright.formats.intervals import Interval, Joint, intervals_to_track, unknown_labels
+from lipwright.language.codes import is_english
 from lipwright.phones import is_silence_label
-from lipwright.streams.labels import ipa_sounds, is_arpabet, is_english, read_labels
+from lipwright.streams.labels import ipa_sounds, is_arpabet, read_labels
 from lipwright.streams.source import brief, fields_of, list_of, read_content, seconds_of
 from lipwright.streams.times import Timed, mend
 from lipwright.track import PhoneTrack

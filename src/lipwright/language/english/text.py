@@ -13,7 +13,15 @@ from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.english import tables
 from lipwright.language.english.amounts import magnitude_words, read_amount, unit_words
 from lipwright.language.english.numbers import digits, number
-from lipwright.language.tokens import EDGE, SIGNS, Token, is_letter, split_text, trim
+from lipwright.language.tokens import (
+    EDGE,
+    SIGNS,
+    Token,
+    is_letter,
+    refuse_foreign,
+    split_text,
+    trim,
+)
 
 _AREA_CODE: Final = re.compile(r"\(\d{3}\)", re.ASCII)
 _MIXED: Final = re.compile(r"(?<=\d)(?=[¼-¾⅐-⅞])")  # between the 2 and the half of 2½
@@ -65,7 +73,9 @@ class Reader:
                 core = written
             else:
                 core = trim(_to_ascii(written), _AMOUNT.match)
-                _check_letters(written, core, f"{source}: line {line}", column)
+                if any(map(_is_foreign, core)):
+                    place = f"{source}: line {line}"
+                    refuse_foreign(written, place, column, _has_foreign, "English")
             tokens.append(Token(written, line, column, core))
         return tokens
 
@@ -188,7 +198,7 @@ class Reader:
         ending = re.fullmatch(r"([A-Z]{2,})'?s", run)
         capitals = ending[1] if ending else run
         if 1 < len(capitals) <= _INITIALISM and capitals.isupper() and not self._shouting:
-            letters = list(capitals.lower())
+            letters = list(filter(str.isalpha, capitals.lower()))  # no apostrophe, as in A'A
             return [*letters[:-1], letters[-1] + "'s"] if ending else letters
         if len(lower) <= _UNSPEAKABLE and lower.isalpha() and not _VOWELS & set(lower):
             return list(lower)
@@ -216,18 +226,9 @@ def _to_ascii(written: str) -> str:
     )
 
 
-def _check_letters(written: str, core: str, line: str, column: int) -> None:
-    if not any(_is_foreign(char) for char in core):
-        return
-    # A letter may fall apart in normalisation; what is named is what was written.
-    first = next((i for i, char in enumerate(written) if any(map(_is_foreign, _to_ascii(char)))), 0)
-    run = written[first : first + 12]
-    foreign = "".join(char for char in run if any(map(_is_foreign, _to_ascii(char))))
-    raise LipwrightError(
-        f"{line}, column {column + first}: {foreign or run!r} is not in English letters; spell it "
-        "in them, or choose the language of the text"
-    )
-
-
 def _is_foreign(char: str) -> bool:
     return not char.isascii() and is_letter(char)
+
+
+def _has_foreign(char: str) -> bool:
+    return any(map(_is_foreign, _to_ascii(char)))

@@ -13,7 +13,7 @@ from lipwright.language.dictionary import Dictionary, word_key
 from lipwright.language.swedish import tables
 from lipwright.language.swedish.amounts import read_amount, unit_words
 from lipwright.language.swedish.numbers import digits, number, ordinal
-from lipwright.language.tokens import Token, is_letter, split_text
+from lipwright.language.tokens import Token, is_letter, refuse_foreign, split_text
 
 # "t ex", and numbers in groups of three, unless groups of two follow as in telephone numbers
 _TOKEN: Final = re.compile(
@@ -110,7 +110,9 @@ class Reader:
             core = written
             if not self._own(written):
                 core = _trim(_to_swedish(written))
-                _check_letters(written, core, f"{source}: line {line}", column)
+                if any(map(_is_foreign, core)):
+                    place = f"{source}: line {line}"
+                    refuse_foreign(written, place, column, _has_foreign, "Swedish")
             tokens.append(_Token(written, line, column, core))
         return tokens
 
@@ -223,18 +225,9 @@ def _trim(core: str) -> str:
     return core if re.match(r"[+-]\d", core) else core.lstrip(".-")
 
 
-def _check_letters(written: str, core: str, line: str, column: int) -> None:
-    if not any(_is_foreign(char) for char in core):
-        return
-    # A letter may fall apart in normalisation; what is named is what was written.
-    first = next((i for i, c in enumerate(written) if any(map(_is_foreign, _to_swedish(c)))), 0)
-    run = written[first : first + 12]
-    foreign = "".join(char for char in run if any(map(_is_foreign, _to_swedish(char))))
-    raise LipwrightError(
-        f"{line}, column {column + first}: {foreign or run!r} is not in Swedish letters; spell it "
-        "in them, or choose the language of the text"
-    )
-
-
 def _is_foreign(char: str) -> bool:
     return is_letter(char) and not char.isascii() and char not in _KEPT
+
+
+def _has_foreign(char: str) -> bool:
+    return any(map(_is_foreign, _to_swedish(char)))

@@ -15,7 +15,15 @@ from lipwright.language.tabled.amounts import AmountReader
 from lipwright.language.tabled.lexicon import Lexicon
 from lipwright.language.tabled.numbers import cardinal, ordinal, roman
 from lipwright.language.tabled.values import Tables
-from lipwright.language.tokens import EDGE, SIGNS, Token, is_letter, split_text, trim
+from lipwright.language.tokens import (
+    EDGE,
+    SIGNS,
+    Token,
+    is_letter,
+    refuse_foreign,
+    split_text,
+    trim,
+)
 
 _KEPT: Final = "ºª°€£"  # signs that normalisation would take apart
 _INITIALISM: Final = 5  # letters; longer words in capitals are said as words
@@ -72,15 +80,9 @@ class Reader:
         if self._own(written):
             return Token(written, line, column, written)
         core = trim(self._plain(written), self._is_amount)
-        place = f"{source}: line {line}"
         if not core.isascii() and any(is_letter(c) and not self._is_own(c) for c in core):
-            first = next((at for at, char in enumerate(written) if self._is_foreign(char)), 0)
-            run = written[first : first + 12]
-            foreign = "".join(char for char in run if self._is_foreign(char))
-            raise LipwrightError(
-                f"{place}, column {column + first}: {foreign or run!r} is not in "
-                f"{self._tables.name} letters; spell it in them, or choose the language of the text"
-            )
+            place = f"{source}: line {line}"
+            refuse_foreign(written, place, column, self._is_foreign, self._tables.name)
         return Token(written, line, column, core)
 
     def _is_own(self, char: str) -> bool:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from lipwright.errors import LipwrightError
 from lipwright.language import LANGUAGES, get_language
+from lipwright.onnx_session import open_session
 from lipwright.phones import SILENCE
 from lipwright.speech.voices.hibari_text import G2P, Line, script_lines
 from lipwright.speech.voices.hibari_times import FRAME, LAG, RATE, time_line
@@ -46,7 +47,6 @@ _PITCH: Final = 5  # output in Hz
 _MOST_LINES_AT_ONCE: Final = 4  # threads
 _OPENING: Final = threading.Lock()  # hibari is imported by one thread; see `_without_scipy_fft`
 _STEPS: Final = 2  # of `hibari.dsp.HOP` in a FRAME
-_ODD_ONES_OUT: Final = 3  # severity from which onnxruntime speaks up
 _RAMP: Final = 4  # steps in which a word's emphasis comes and goes: 50 ms
 
 
@@ -122,17 +122,10 @@ class HibariVoice:
         return vocabulary
 
     def _open_session(self) -> Any:
-        # From 1.31 on it writes an identifier to send usage metrics with while it is imported.
-        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
-        import onnxruntime
-
-        options = onnxruntime.SessionOptions()
-        options.log_severity_level = _ODD_ONES_OUT
-        options.intra_op_num_threads = options.inter_op_num_threads = 1  # lines have threads
         try:
             model = self._model.read_bytes()
             model = with_output(model, input_of(model, _TURNED_INTO_FRAMES))
-            return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+            return open_session(model, threads=1)  # lines have threads
         except Exception as error:  # onnxruntime has a class for each kind of refusal
             reason = " ".join(str(error).split())[:120]
             raise LipwrightError(

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.errors import LipwrightError
+from lipwright.onnx_session import import_onnxruntime, open_session
 from lipwright.speech.voices.onnx_nodes import Contents, read_contents
 from lipwright.speech.voices.onnx_outputs import with_output
 from lipwright.speech.voices.piper_config import REMEDY, PiperConfig
@@ -24,7 +25,6 @@ _INPUTS: Final = frozenset(("input", "input_lengths", "scales"))
 _SPEAKER: Final = "sid"
 _ROUNDED_UP: Final = "Ceil"
 """durations are whole frames: VITS rounds them up before it repeats each phoneme so often"""
-_FATAL: Final = 4  # onnxruntime's severity; what fails comes as an exception anyway
 
 
 class PiperModel:
@@ -108,20 +108,9 @@ class PiperModel:
         return LipwrightError(f"{self._path}: the voice fails: {reason}; {REMEDY}")
 
     def _open(self, content: bytes) -> Any:
-        import os
-
-        # From 1.31 on it writes an identifier to send usage metrics with while it is imported.
-        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
-        import onnxruntime
-
-        options = onnxruntime.SessionOptions()
-        options.log_severity_level = _FATAL
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-        onnxruntime.set_seed(SEED)
+        import_onnxruntime().set_seed(SEED)
         try:
-            return onnxruntime.InferenceSession(
-                content, options, providers=["CPUExecutionProvider"]
-            )
+            return open_session(content)
         except Exception as error:  # onnxruntime has a class for each kind of refusal
             reason = " ".join(str(error).split())[:120]
             raise LipwrightError(

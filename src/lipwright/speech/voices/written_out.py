@@ -64,6 +64,7 @@ def _replaced(text: str, words: Sequence[SpokenWord]) -> str:
     begins = [0]
     for line in text.split("\n"):
         begins.append(begins[-1] + len(line) + 1)
+    end = max((at for at, char in enumerate(text) if char.isalnum()), default=0)
     said, done = "", 0
     for (line, column, written), group in groupby(
         words, key=lambda word: (word.line, word.column, word.written)
@@ -74,7 +75,7 @@ def _replaced(text: str, words: Sequence[SpokenWord]) -> str:
             return text  # parts of a token that cannot be told apart
         spoken = " ".join(word.text for word in group)
         said += _between(text[done:start])
-        said += _token(written, spoken, last=not any(map(str.isalnum, text[stop:])))
+        said += _token(written, spoken, last=stop > end)
         done = stop
     return said + _between(text[done:])
 
