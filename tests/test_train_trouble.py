@@ -20,7 +20,7 @@ from lipwright.errors import LipwrightError
 
 torch = pytest.importorskip("torch", reason="the extra `train` is not installed")
 
-from lipwright.train.run import TrainOptions, _move  # noqa: E402  # needs the extra
+from lipwright.train.place import TrainOptions, move  # noqa: E402  # needs the extra
 
 pytestmark = pytest.mark.usefixtures("one_torch_thread")
 
@@ -318,14 +318,14 @@ def test_only_the_model_itself_is_replaced_and_nothing_that_came_meanwhile(place
     (place / "model" / "meta.json").write_text("{}")
     (place / "model.part" / "meta.json").write_text("{}")
     (place / "model.old" / "thesis.tex").write_text("mine")
-    _move(place / "model.part", place / "model", TrainOptions(force=True))
+    move(place / "model.part", place / "model", TrainOptions(force=True))
     assert not (place / "model.part").exists()
     (place / "model.part").mkdir()
     with pytest.raises(LipwrightError, match="is a finished model; add --force"):
-        _move(place / "model.part", place / "model", TrainOptions())
+        move(place / "model.part", place / "model", TrainOptions())
     (place / "model" / "meta.json").rename(place / "model" / "thesis.tex")
     with pytest.raises(LipwrightError, match="with other files"):
-        _move(place / "model.part", place / "model", TrainOptions(force=True))
+        move(place / "model.part", place / "model", TrainOptions(force=True))
     assert (place / "model.old" / "thesis.tex").read_text() == "mine"
     assert (place / "model" / "thesis.tex").is_file()
     assert (place / "model.part").is_dir()

@@ -236,7 +236,12 @@ def test_a_planted_linear_map_is_learnt_and_leaves_almost_no_error_on_the_test()
     data = make_data(toy(takes=12), chosen)
     state = trained(chosen, data)
     assert data.test is not None
-    figures = measure(data, data.test.takes, predict_takes(chosen, data, state.members, data.test))
+    figures = measure(
+        data.controls,
+        data.scaling.spread,
+        data.test.takes,
+        predict_takes(chosen, data, state.members, data.test),
+    )
     assert figures["error"] < 1e-4
     assert figures["controls"]["shape1"]["r"] > 0.999
 

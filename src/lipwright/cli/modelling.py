@@ -80,9 +80,9 @@ def info(model: str, as_json: bool) -> None:
 @model_argument
 def check(model: str) -> None:
     """Find out whether a model is whole and gives the same here as where it was trained."""
-    from lipwright.network import check_golden
+    from lipwright.engines.golden import check_model
 
-    check_golden(model)
+    check_model(model)
     say(f"{model}: whole, and gives its golden output")
 
 
@@ -98,8 +98,6 @@ def _sees(meta: ModelMeta) -> str:
 
 
 def _summary(folder: Path, meta: ModelMeta) -> Iterator[tuple[str, str]]:
-    from lipwright.network.meta import MODEL_FILE
-
     yield "name", meta.name
     yield "predicts", _predicts(meta)
     yield "sees", _sees(meta)
@@ -108,10 +106,10 @@ def _summary(folder: Path, meta: ModelMeta) -> Iterator[tuple[str, str]]:
     if meta.kind == "windows":
         size = meta.features.size
         yield "network", f"{size} numbers a window to {meta.output_window} frames of motion"
-    else:
+    elif meta.kind == "sequence":
         yield "network", f"a convolution over frames of {meta.features.frame_size} numbers"
-    if (folder / MODEL_FILE).is_file():
-        yield "size", f"{(folder / MODEL_FILE).stat().st_size / 1e6:.1f} MB"
+    if (folder / meta.model_file).is_file():
+        yield "size", f"{(folder / meta.model_file).stat().st_size / 1e6:.1f} MB"
     yield "trained", f"{meta.date}, by Lipwright {meta.lipwright}, on {meta.data}"
     yield "licence", meta.licence
     yield from _figures(meta.metrics)

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from lipwright.cli.progress import keeps, progress_option, progress_report, say
-from lipwright.errors import MissingExtraError
+from lipwright.errors import LipwrightError, MissingExtraError
 
 TRAIN_EXAMPLES = """\b
 Examples:
@@ -27,8 +27,11 @@ Train again what was interrupted by the same command: it goes on, with the same 
 
 config_option = click.option(
     "--config", "-c", default="window", show_default=True,
-    help="Name of a configuration (window, thesis, lipwright), or a JSON file.",
+    help="Name of a configuration (window, thesis, lipwright, lstm, trees, hmm, dynamic), or file.",
 )  # fmt: skip
+targets_option = click.option(
+    "--targets", type=click.Choice(["arkit", "shape", "joint", "both"]), help="What to predict."
+)
 dataset_argument = click.argument("path", metavar="DATASET", type=Path)
 face_option = click.option(
     "--face", type=Path, help="Reference face of the modes.  [default: DATASET-face.npz]"
@@ -39,7 +42,9 @@ face_option = click.option(
 @dataset_argument
 @config_option
 @click.option("-o", "--output", "out", type=Path, required=True, help="Folder of the model.")
-@click.option("--targets", type=click.Choice(["arkit", "shape", "joint"]), help="What to predict.")
+@click.option(
+    "--targets", type=click.Choice(["arkit", "shape", "joint", "both"]), help="What to predict."
+)
 @click.option("--seed", type=click.IntRange(0), help="Another number gives another network.")
 @click.option("--epochs", type=click.IntRange(1), help="The most passes over the data.")
 @click.option("--fps", type=click.FloatRange(1, 1000), help="Frames a second of the network.")
@@ -56,7 +61,7 @@ def train(
     """Train a network that moves a face as the recordings of a dataset do."""
     _need_extra()
     from lipwright.train.config_file import load_config, override
-    from lipwright.train.run import TrainOptions, part_of
+    from lipwright.train.place import TrainOptions, part_of
     from lipwright.train.run import train as run
 
     given = {"targets": targets, "seed": seed, "epochs": epochs, "fps": fps, "name": name}
@@ -123,7 +128,9 @@ same command.
 @click.option("--random", "trials", type=click.IntRange(1), help="So many trials at random.")
 @click.option("-o", "--output", "out", type=Path, required=True, help="Folder of the results.")
 @click.option("--epochs", type=click.IntRange(1), help="The most passes over the data, of each.")
-@click.option("--targets", type=click.Choice(["arkit", "shape", "joint"]), help="What to predict.")
+@click.option(
+    "--targets", type=click.Choice(["arkit", "shape", "joint", "both"]), help="What to predict."
+)
 @face_option
 @progress_option
 def tune(
@@ -132,13 +139,17 @@ def tune(
 ) -> None:  # fmt: skip
     """Train many configurations and list them by their validation loss."""
     _need_extra()
+    from lipwright.train.config import Config
     from lipwright.train.config_file import load_config, override
     from lipwright.train.tune import Search, parse_choice, parse_range
     from lipwright.train.tune import tune as run
 
     given = {"epochs": epochs, "targets": targets}
     changes = {key: value for key, value in given.items() if value is not None}
-    chosen = override(load_config(config), changes, config)
+    loaded = load_config(config)
+    if not isinstance(loaded, Config):
+        raise LipwrightError(f"{config}: only networks are tuned; name the configuration of one")
+    chosen = override(loaded, changes, config)
     search = Search(tuple(map(parse_choice, grid)), tuple(map(parse_range, ranges)), trials)
     keeps(f"trials that were done are kept in {out}; run the same command to go on")
     with progress_report(progress) as report:

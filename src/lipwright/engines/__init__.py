@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lipwright.audio import Sound
     from lipwright.bigrams.values import BigramSet
     from lipwright.clip import Clip
-    from lipwright.network import Network
+    from lipwright.engines.learnt import Learnt
     from lipwright.track import PhoneTrack
 
 DEFAULT: Final = "window"
@@ -51,8 +51,9 @@ class EngineEntry:
     summary: str
     """one line for lists"""
     runs: Runs = "rules"
-    """for models and bigrams `animate` takes `model` too: a model's name or folder, and the module
-    has `open_network(model)`; or the name or file of a bigram set"""
+    """for models and bigrams `animate` takes `model` too: a model's name or folder, or the name or
+    file of a bigram set. Modules that run models have `open_network(model)`, and `predict_at(model,
+    track, times, audio)`: all that the model predicts, (T, C) of its own controls"""
 
 
 ENGINES: Final = MappingProxyType(
@@ -65,6 +66,34 @@ ENGINES: Final = MappingProxyType(
             "lipwright.engines.window",
             "a network over a sliding window (Taylor et al. 2017), trained on real speakers",
             runs="models",
+        ),
+        "hmm": EngineEntry(
+            "lipwright.engines.hmm",
+            "hidden Markov models of phones in context (Zen et al. 2007); train your own",
+            runs="models",
+        ),
+        "dynamic": EngineEntry(
+            "lipwright.engines.dynamic",
+            "recorded gestures (dynamic visemes, Taylor et al. 2012); train your own",
+            runs="models",
+        ),
+        "lstm": EngineEntry(
+            "lipwright.engines.lstm",
+            "a recurrent network (Fan et al. 2015); train your own",
+            runs="models",
+        ),
+        "trees": EngineEntry(
+            "lipwright.engines.trees",
+            "decision trees over a sliding window (Kim et al. 2015); train your own",
+            runs="models",
+        ),
+        "overlay": EngineEntry(
+            "lipwright.engines.overlay",
+            "vowels eased into each other, consonants laid over them (the 2018 thesis)",
+        ),
+        "static": EngineEntry(
+            "lipwright.engines.static",
+            "one pose a viseme, straight lines between them",
         ),
         "bigram": EngineEntry(
             "lipwright.engines.bigram",
@@ -82,15 +111,28 @@ def choose_engine(name: str | None = None, model: Model = None) -> str:
     Raises:
         LipwrightError: no such engine, or one of rules alone was given a model.
     """
-    chosen = name or (DEFAULT if model is None else OF_MODELS)
+    chosen = name or (DEFAULT if model is None else _engine_of(model))
     if chosen not in ENGINES:
         raise LipwrightError(f"no engine {chosen!r}; the engines are: {', '.join(ENGINES)}")
     if model is not None and ENGINES[chosen].runs == "rules":
-        runners = " and ".join(known for known, entry in ENGINES.items() if entry.runs != "rules")
+        *most, last = (known for known, entry in ENGINES.items() if entry.runs != "rules")
+        runners = f"{', '.join(most)} and {last}"
         raise LipwrightError(
             f"--model is for the engines {runners}, not for {chosen}; leave one of them out"
         )
     return chosen
+
+
+def _engine_of(model: Model) -> str:
+    """The engine of a model that was named without one; opening it says what may be wrong."""
+    from lipwright.network.folder import find_model, read_meta
+
+    if not isinstance(model, str | Path):
+        return OF_MODELS
+    try:
+        return read_meta(find_model(model)).engine
+    except LipwrightError:
+        return OF_MODELS
 
 
 def get_engine(name: str | None = None, model: Model = None) -> Engine:
@@ -137,7 +179,7 @@ def engine_controls(name: str | None = None, model: Model = None) -> tuple[str, 
     return CANONICAL if network is None or network.meta.moves_heads else network.meta.controls
 
 
-def _network_of(name: str | None, model: Model) -> Network | None:
-    """The network that an engine runs; None of one without."""
+def _network_of(name: str | None, model: Model) -> Learnt | None:
+    """What an engine learnt and runs; None of one with rules."""
     entry = ENGINES[choose_engine(name, model)]
     return import_module(entry.module).open_network(model) if entry.runs == "models" else None

@@ -9,7 +9,6 @@ at i / fps s of its own clock; the clip's are taken from them by monotone cubics
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -17,11 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import Clip, frame_times
-from lipwright.controls import CANONICAL
 from lipwright.engines import DEFAULT_MODEL
+from lipwright.engines.learnt import arrange, clip_names, open_network_of
 from lipwright.engines.resample import Resampler
-from lipwright.network import Network, find_model, load_network
-from lipwright.network.meta import HASHED, META_FILE
+from lipwright.network import Network
 from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
@@ -95,6 +93,20 @@ def predict(
     return network.run(frames[seen - seen[0]][None])[0][:, None]
 
 
+def predict_at(
+    network: Network, track: PhoneTrack, times: npt.NDArray[np.float64], audio: Sound | None = None
+) -> Values:
+    """(T, C), the network's own controls at (T,) `times` in s, one frame of its clock apart."""
+    heard = None
+    if audio is not None and "sound" in network.meta.features.kinds:
+        from lipwright.features.sound import sound_features
+
+        heard = sound_features(audio, times)
+    mean = FrameMean(network.meta.output_window, len(network.meta.controls))
+    windows = predict(network, track, times, slice(None), heard)
+    return np.concatenate([mean.add(windows), mean.end()])
+
+
 def animate(
     track: PhoneTrack,
     fps: float,
@@ -144,40 +156,10 @@ def _heard(network: Network, track: PhoneTrack, audio: Sound | None) -> Values |
     return sound_features(audio, frame_times(track.end, network.meta.features.fps))
 
 
-def clip_names(network: Network) -> tuple[str, ...]:
-    """The controls of the clips that a network makes: canonical ones, or its modes."""
-    return CANONICAL if network.meta.moves_heads else network.meta.controls
-
-
-def arrange(network: Network, values: Values) -> Values:
-    """Values (T, C) of the network's controls as those (T, C') of its clips."""
-    names = clip_names(network)
-    placed = np.zeros((len(values), len(names)), np.float32)
-    placed[:, [names.index(name) for name in network.meta.controls]] = values
-    return placed
-
-
 def open_network(model: str | Path | Network | None = None) -> Network:
     """The network of a model, loaded once while its files stay as they are.
 
     Raises:
-        LipwrightError: the model cannot be used.
+        LipwrightError: the model cannot be used, or is one of another engine.
     """
-    if isinstance(model, Network):
-        return model
-    folder = find_model(DEFAULT_MODEL if model is None else model)
-    return _load(folder, tuple(_stamp(folder / name) for name in (META_FILE, *HASHED)))
-
-
-def _stamp(path: Path) -> tuple[int, int]:
-    try:
-        found = path.stat()
-    except OSError:  # loading it says what is wrong
-        return 0, 0
-    return found.st_mtime_ns, found.st_size
-
-
-@lru_cache(maxsize=2)
-def _load(folder: Path, stamps: tuple[tuple[int, int], ...]) -> Network:
-    del stamps
-    return load_network(folder)
+    return open_network_of(DEFAULT_MODEL if model is None else model, ("windows", "sequence"))

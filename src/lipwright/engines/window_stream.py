@@ -14,8 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.clip import MAX_FPS, frame_times
+from lipwright.engines.learnt import arrange, clip_names
 from lipwright.engines.resample import Resampler
-from lipwright.engines.window import CHUNK_FRAMES, FrameMean, Values, arrange, clip_names, predict
+from lipwright.engines.window import CHUNK_FRAMES, FrameMean, Values, predict
 from lipwright.features.timing import SIGHT
 from lipwright.network import Network
 from lipwright.phones import PHONES

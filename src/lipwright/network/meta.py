@@ -18,19 +18,27 @@ FORMAT: Final = "lipwright-model"
 VERSION: Final = 1  # raise when the layout of the folder changes
 
 MODEL_FILE: Final = "model.onnx"
+ARRAYS_FILE: Final = "model.npz"
 META_FILE: Final = "meta.json"
 GOLDEN_FILE: Final = "golden.npz"
-HASHED: Final = (MODEL_FILE, GOLDEN_FILE)
 
-Kind = Literal["windows", "sequence"]
-Target = Literal["arkit", "shape", "joint"]
-KINDS: Final[tuple[Kind, ...]] = ("windows", "sequence")
+Kind = Literal["windows", "sequence", "recurrent", "trees", "hmm", "dynamic"]
+Target = Literal["arkit", "shape", "joint", "both"]
+ENGINE_OF: Final[Mapping[Kind, str]] = MappingProxyType({
+    "windows": "window", "sequence": "window", "recurrent": "lstm", "trees": "trees",
+    "hmm": "hmm", "dynamic": "dynamic",
+})  # fmt: skip
+"""kind of model to the engine that runs it"""
+NETWORKS: Final[tuple[Kind, ...]] = ("windows", "sequence", "recurrent")
+"""kinds that are ONNX files; the others are arrays"""
+KINDS: Final[tuple[Kind, ...]] = tuple(ENGINE_OF)
 TARGETS: Final[Mapping[Target, str]] = MappingProxyType({
     "arkit": "ARKit weights",
     "shape": "shape modes of a reference face",
     "joint": "joint modes of a reference face",
+    "both": "ARKit weights, and joint modes of a reference face",
 })  # fmt: skip
-"""what a network predicts, and its name for people"""
+"""what a model predicts, and its name for people"""
 
 MAX_OUTPUT_WINDOW: Final = 101  # frames; the papers go to 15
 MAX_WINDOW: Final = 1001  # frames; a network is tried with one, and a wider one fills the memory
@@ -41,7 +49,7 @@ _OBJECTS: Final = ("features", "files", "metrics")
 
 @dataclass(frozen=True)
 class ModelMeta:
-    """What a network takes and gives, and where it comes from.
+    """What a model takes and gives, and where it comes from.
 
     Raises:
         ValueError: a field is out of range, or two do not fit each other; the message names it.
@@ -50,7 +58,8 @@ class ModelMeta:
     name: str
     """of the architecture or configuration"""
     kind: Kind
-    """`windows`: each row is the window of one frame; `sequence`: a convolution over frames"""
+    """`windows`: each row is the window of one frame; `sequence`: a convolution over frames;
+    `recurrent`: all frames at once; the others are arrays, which their engines read"""
     features: FeatureSet
     output_window: int
     """Ky, odd, frames that one window predicts, around its middle; 1 for a sequence"""
@@ -81,7 +90,7 @@ class ModelMeta:
             raise ValueError(f"'target' is {self.target[:24]!r}, not one of {', '.join(TARGETS)}")
         self._check_windows()
         self._check_controls()
-        for name in HASHED:
+        for name in self.hashed:
             if not _SHA256.fullmatch(self.files.get(name, "")):
                 raise ValueError(f"'files' lacks the SHA-256 of {name}")
         try:
@@ -101,7 +110,7 @@ class ModelMeta:
             raise ValueError(f"'features' have a window of more than {MAX_WINDOW} frames")
         if self.features.fps > MAX_FPS:
             raise ValueError(f"'features' are of {self.features.fps:g} fps, over {MAX_FPS:g}")
-        if self.kind == "sequence":
+        if self.kind in {"sequence", "recurrent"}:
             if self.output_window != 1:
                 raise ValueError(f"'output_window' of a sequence is {self.output_window}, not 1")
             if "spans" in self.features.kinds:
@@ -112,15 +121,32 @@ class ModelMeta:
             raise ValueError("'controls' is not a list of names")
         if repeated := [n for i, n in enumerate(self.controls) if n in self.controls[:i]]:
             raise ValueError(f"'controls' has {repeated[0][:40]!r} twice")
-        pattern = re.compile(rf"{self.target}[1-9][0-9]*")
+        modes = {"arkit": "", "both": "joint"}.get(self.target, self.target)
+        pattern = re.compile(rf"{modes}[1-9][0-9]*")
         for name in self.controls:
-            if not (name in ARKIT if self.target == "arkit" else pattern.fullmatch(name)):
+            fits = name in ARKIT and self.moves_heads
+            if not fits and not (modes and pattern.fullmatch(name)):
                 raise ValueError(f"'controls' has {name[:40]!r}, which is none of {self.target}")
 
     @property
     def moves_heads(self) -> bool:
-        """Whether its controls are those of heads, not modes of one speaker's reference face."""
-        return self.target == "arkit"
+        """Whether it has controls of heads, not only modes of one speaker's reference face."""
+        return self.target in {"arkit", "both"}
+
+    @property
+    def engine(self) -> str:
+        """The engine that runs it."""
+        return ENGINE_OF[self.kind]
+
+    @property
+    def model_file(self) -> str:
+        """The file that was learnt."""
+        return MODEL_FILE if self.kind in NETWORKS else ARRAYS_FILE
+
+    @property
+    def hashed(self) -> tuple[str, str]:
+        """The files whose SHA-256 is here."""
+        return self.model_file, GOLDEN_FILE
 
     def to_json(self) -> dict[str, Any]:
         """The content of meta.json."""

@@ -51,7 +51,7 @@ def write_card(
         "", "## Data", "", *_data_lines(data),
         "", "## Network", "", *_network_lines(config, data),
         "", "## Training", "", *_training_lines(config, history),
-        "", "## How well it does", "", *_metric_lines(metrics),
+        "", "## How well it does", "", *metric_lines(metrics),
         "", "## Licence of the weights", "", licence,
         "", "## Limits", "", *_limit_lines(config, data), "",
     ]  # fmt: skip
@@ -115,7 +115,8 @@ def _training_lines(config: Config, history: Sequence[dict[str, Any]]) -> Iterat
         yield f"- {config.comment}"
 
 
-def _metric_lines(metrics: dict[str, Any]) -> Iterator[str]:
+def metric_lines(metrics: dict[str, Any]) -> Iterator[str]:
+    """What `measure` found in each split, as Markdown."""
     yield "Squared errors are in variances of each control in training; r is Pearson's."
     yield ""
     yield "| split | recordings | error | r of the lips' aperture |"
@@ -145,5 +146,5 @@ def _limit_lines(config: Config, data: Data) -> Iterator[str]:
     yield f"- Heard fewer than {FEW} times in training: {', '.join(rare) or 'no phone'}."
     if "sound" not in config.features:
         yield "- It knows phones and their times only, not how they are said."
-    if config.targets != "arkit":
+    if config.targets in {"shape", "joint"}:
         yield "- Its controls are modes of one reference face; a head needs ARKit weights."

@@ -9,9 +9,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final, Literal
 
 from lipwright.features import KINDS
+from lipwright.network.meta import Target
 from lipwright.phones import PHONES, SILENCE
-
-Target = Literal["arkit", "shape", "joint"]
 
 WIDEST: Final = 101  # frames of a window
 

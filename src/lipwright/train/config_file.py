@@ -1,6 +1,7 @@
 """Configurations out of JSON files, and with other values.
 
-`window` (Taylor et al. 2017) and `thesis` are files of `configs/`.
+Those that ship are files of `configs/`. A file that names an `engine` is for the learner of that
+name, other files are for networks.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import dataclasses
 import types
 import typing
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
@@ -16,9 +18,13 @@ from typing import Any, Final
 from lipwright.dataset.recording import from_json
 from lipwright.errors import LipwrightError
 from lipwright.train.config import Config, MisfitError, need
+from lipwright.train.learner import LEARNERS, LearnerConfig
+
+Chosen = typing.TypeVar("Chosen", Config, LearnerConfig, Config | LearnerConfig)
+"""a configuration that stays of its kind"""
 
 
-def load_config(source: str) -> Config:
+def load_config(source: str) -> Config | LearnerConfig:
     """The configuration of a name in `configs/`, or of a JSON file.
 
     Raises:
@@ -47,7 +53,7 @@ def _shipped() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.json"))}
 
 
-def config_from(values: Any, source: str) -> Config:
+def config_from(values: Any, source: str) -> Config | LearnerConfig:
     """The configuration that plain values say.
 
     Args:
@@ -58,12 +64,22 @@ def config_from(values: Any, source: str) -> Config:
         LipwrightError: a key is unknown or missing, or has a value that cannot be.
     """
     try:
-        return typing.cast(Config, _build(Config, values, ""))
+        return _build(_kind_of(values), values, "")
     except MisfitError as error:
         raise LipwrightError(f"{source}: {error}") from error
 
 
-def override(config: Config, changes: Mapping[str, Any], source: str) -> Config:
+def _kind_of(values: Any) -> type[Any]:
+    engine = values.get("engine") if isinstance(values, dict) else None
+    if engine is None:
+        return Config
+    known = isinstance(engine, str) and engine in LEARNERS
+    need(known, "engine", f"is {engine!r}, not one of: {', '.join(LEARNERS)}")
+    found: type[Any] = import_module(LEARNERS[engine]).CONFIG
+    return found
+
+
+def override(config: Chosen, changes: Mapping[str, Any], source: str) -> Chosen:
     """The configuration with other values.
 
     Args:
@@ -86,7 +102,8 @@ def override(config: Config, changes: Mapping[str, Any], source: str) -> Config:
         if last not in place:
             raise LipwrightError(f"{source}: {key!r} is no key of a configuration")
         place[last] = value
-    return config_from(values, source)
+    changed: typing.Any = config_from(values, source)
+    return changed
 
 
 def _build(kind: Any, value: Any, key: str) -> Any:

@@ -24,6 +24,7 @@ from lipwright.features.sound import SOUND_NAMES
 from lipwright.features.timing import TIMING
 from lipwright.phones import SILENCE
 from lipwright.train.config import Config
+from lipwright.train.learner import LearnerConfig
 from lipwright.train.takes import Corpus, Take
 
 Floats = npt.NDArray[np.float64]
@@ -33,8 +34,8 @@ HEARD: Final = 3  # times in training from which a phone has columns of its own
 STILL: Final = 1e-6  # standard deviation under which a value counts as constant
 
 
-def feature_set(config: Config, corpus: Corpus) -> FeatureSet:
-    """What the network sees: the phones of the configuration, or those heard in training."""
+def feature_set(config: Config | LearnerConfig, corpus: Corpus) -> FeatureSet:
+    """What a model sees: the phones of the configuration, or those heard in training."""
     takes = corpus.of("train")
     phones = config.phones
     if phones is None:
@@ -282,7 +283,7 @@ def make_data(corpus: Corpus, config: Config) -> Data:
     assert train is not None
     assert validation is not None
     opening = None
-    if config.loss.lips and config.targets == "arkit":
+    if config.loss.lips and config.targets in {"arkit", "both"}:
         opening = _opening(corpus.controls, scaling)
     return Data(corpus, features, scaling, train, validation, opening, test)
 
@@ -291,5 +292,6 @@ def _opening(controls: Sequence[str], scaling: Scaling) -> Tensor:
     from lipwright.controls import CANONICAL
     from lipwright.face.head import load_head
 
-    opening = load_head().opening[[CANONICAL.index(name) for name in controls]]
+    opens = dict(zip(CANONICAL, load_head().opening, strict=True))
+    opening = np.array([opens.get(name, 0.0) for name in controls])  # modes are no head's
     return torch.from_numpy((opening * scaling.sd).astype(np.float32))

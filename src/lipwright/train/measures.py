@@ -36,7 +36,9 @@ def predict_takes(
     return [controls[start:stop] for start, stop in pairwise(arrays.starts)]
 
 
-def measure(data: Data, takes: Sequence[Take], estimated: Sequence[Values]) -> dict[str, Any]:
+def measure(
+    names: Sequence[str], spread: Values, takes: Sequence[Take], estimated: Sequence[Values]
+) -> dict[str, Any]:
     """The figures of some takes, as plain values; None where there is none.
 
     `error` is the mean squared error in standard deviations of each control in training, `r`
@@ -46,17 +48,17 @@ def measure(data: Data, takes: Sequence[Take], estimated: Sequence[Values]) -> d
     valid = np.concatenate([take.valid for take in takes])
     real = np.concatenate([take.targets for take in takes])[valid].astype(np.float64)
     guess = np.concatenate(estimated)[valid]
-    errors = (((guess - real) / data.scaling.spread) ** 2).mean(axis=0)
+    errors = (((guess - real) / spread) ** 2).mean(axis=0)
     controls = {
         name: {"error": _rounded(errors[column]),
                "r": _rounded(_correlation(real[:, column], guess[:, column]))}
-        for column, name in enumerate(data.controls)
+        for column, name in enumerate(names)
     }  # fmt: skip
     return {
         "recordings": len(takes),
         "frames": int(valid.sum()),
         "error": _rounded(errors.mean()),
-        "aperture_r": _rounded(_aperture_r(data.controls, takes, estimated)),
+        "aperture_r": _rounded(_aperture_r(names, takes, estimated)),
         "controls": controls,
     }
 
@@ -75,14 +77,15 @@ def _aperture_r(
     controls: Sequence[str], takes: Sequence[Take], estimated: Sequence[Values]
 ) -> float:
     """NaN where the targets are no weights of a head, or there is no head."""
-    if not set(controls) <= set(ARKIT):
+    weights = [column for column, name in enumerate(controls) if name in ARKIT]
+    if not weights:
         return math.nan
     try:
         head = load_head()
     except LipwrightError:
         return math.nan
     found = [
-        _take_r(head, controls, take, values)
+        _take_r(head, [controls[column] for column in weights], take, values[:, weights])
         for take, values in zip(takes, estimated, strict=True)
         if take.aperture is not None and take.valid.any() and set(take.track.phones) != {SILENCE}
     ]

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import json
-import secrets
-import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
-from lipwright.dataset.folder import open_dataset
-from lipwright.dataset.lock import LOCK_FILE, locked
+from lipwright.dataset.folder import Dataset, open_dataset
+from lipwright.dataset.lock import locked
 from lipwright.dataset.recording import to_json
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
-from lipwright.network.meta import META_FILE
 from lipwright.train.card import describe_data, write_card
 from lipwright.train.checkpoint import (
     CHECKPOINT_FILE,
@@ -27,61 +23,37 @@ from lipwright.train.checkpoint import (
 from lipwright.train.config import Config
 from lipwright.train.data import Data, make_data
 from lipwright.train.export import write_model
+from lipwright.train.learner import LearnerConfig
 from lipwright.train.loop import fit
 from lipwright.train.measures import measure, predict_takes
+from lipwright.train.place import (
+    CARD_FILE,
+    TRAINING,
+    Trained,
+    TrainOptions,
+    licence_of,
+    make_place,
+    move,
+)
 from lipwright.train.plots import write_losses
+from lipwright.train.run_learner import train_learner
 from lipwright.train.takes import Report, read_corpus
 
 Tell = Callable[[dict[str, Any]], None]
 
-TRAINING: Final = "training"  # the part of a model's folder that running it does not need
-CARD_FILE: Final = "card.md"
-
-
-@dataclass(frozen=True)
-class TrainOptions:
-    """What is asked of a training besides its configuration."""
-
-    face: Path | None = None
-    """the reference face of shape and joint modes"""
-    licence: str = ""
-    """of the weights"""
-    force: bool = False
-    """replace a finished model, and a checkpoint that does not fit"""
-
-
-@dataclass(frozen=True)
-class Trained:
-    """What came out."""
-
-    folder: Path
-    history: list[dict[str, Any]]
-    metrics: dict[str, Any]
-    """split to figures, as `measure` gives them"""
-
-
-def part_of(out: Path) -> Path:
-    """Where a model is made, before it takes its place.
-
-    Raises:
-        LipwrightError: the path has no name of its own, as `.` has none.
-    """
-    if out.name in {"", ".."}:
-        raise LipwrightError(f"{out}: is no name of a new folder; give the model one")
-    return out.with_name(f"{out.name}.part")
-
 
 def train(
-    path: Path, config: Config, out: Path, options: TrainOptions, report: Report, tell: Tell
-) -> Trained:
-    """Train a network on the dataset at `path`; the model lands in `out`, whole or not at all.
+    path: Path | Dataset, config: Config | LearnerConfig, out: Path, options: TrainOptions,
+    report: Report, tell: Tell,
+) -> Trained:  # fmt: skip
+    """Train a model on the dataset at `path`; the model lands in `out`, whole or not at all.
 
     Until then it is in the folder `part_of(out)`; what a training that was stopped has left
     there is gone on from.
 
     Args:
-        path: of the dataset.
-        config: of the network and its training.
+        path: of the dataset; or the dataset itself.
+        config: of the network and its training, or of another learner.
         out: folder of the model.
         options: what else is asked.
         report: told of a stage and how much of it is done.
@@ -91,8 +63,10 @@ def train(
         LipwrightError: the dataset has not what is asked for, or `out` cannot be written or is
             there already.
     """
-    dataset = open_dataset(path)
-    place = _make_place(out, options)
+    dataset = path if isinstance(path, Dataset) else open_dataset(path)
+    if isinstance(config, LearnerConfig):
+        return train_learner(dataset, config, out, options, report)
+    place = make_place(out, options)
     with locked(place, "model"):
         data = make_data(read_corpus(dataset, config, options.face, report), config)
         folder = place / TRAINING
@@ -101,29 +75,9 @@ def train(
         report("export", 0.0)
         metrics = _finish(config, data, state, place, options)
         report("export", 1.0)
-    _move(place, out, options)
-    return Trained(out, state.history, metrics)
-
-
-def _make_place(out: Path, options: TrainOptions) -> Path:
-    place = part_of(out)
-    try:
-        _refuse_others(out, options)
-        (place / TRAINING).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LipwrightError(f"{place}: cannot be made: {error.strerror}") from error
-    return place
-
-
-def _refuse_others(out: Path, options: TrainOptions) -> None:
-    """Leave alone what is not a model, or one that is to stay."""
-    if out.exists() and not out.is_dir():
-        raise LipwrightError(f"{out}: is a file; name a new folder")
-    if (out / META_FILE).is_file():
-        if not options.force:
-            raise LipwrightError(f"{out}: is a finished model; add --force to replace it")
-    elif out.is_dir() and any(out.iterdir()):
-        raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
+    move(place, out, options)
+    seconds = round(sum(epoch["seconds"] for epoch in state.history), 3)
+    return Trained(out, state.history, metrics, seconds)
 
 
 def fit_in(
@@ -174,33 +128,19 @@ def _finish(
 ) -> dict[str, Any]:
     """Write the model, its card and its figures into `place`."""
     metrics = {
-        split: measure(data, arrays.takes, predict_takes(config, data, state.members, arrays))
+        split: measure(
+            data.controls,
+            data.scaling.spread,
+            arrays.takes,
+            predict_takes(config, data, state.members, arrays),
+        )
         for split, arrays in (("validation", data.validation), ("test", data.test))
         if arrays is not None
     }
-    licence = options.licence or (
-        "that of whoever trained them; learnt from data under: "
-        + (data.corpus.licence or "no licence named")
-    )
+    licence = licence_of(data.corpus, options)
     facts = {"licence": licence, "data": describe_data(data.corpus), "metrics": metrics}
     write_model(place, config, data, state.members, facts)
     day = date.today().isoformat()  # the user's own day
     card = write_card(config, data, state.history, metrics, licence, day)
     (place / CARD_FILE).write_text(card, "utf-8")
     return metrics
-
-
-def _move(place: Path, out: Path, options: TrainOptions) -> None:
-    """Put the finished folder in its place; hours may have passed since that was free."""
-    try:
-        _refuse_others(out, options)
-        (place / LOCK_FILE).unlink(missing_ok=True)
-        if out.is_dir() and any(out.iterdir()):
-            old = out.with_name(f".{secrets.token_hex(4)}.old.{out.name[-60:]}")
-            out.rename(old)
-            place.rename(out)
-            shutil.rmtree(old, ignore_errors=True)
-        else:
-            place.rename(out)
-    except OSError as error:
-        raise LipwrightError(f"{out}: cannot be put in its place: {error.strerror}") from error

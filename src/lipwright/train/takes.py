@@ -21,6 +21,7 @@ from lipwright.face.reference_file import load_reference_face
 from lipwright.track import PhoneTrack
 from lipwright.train.config import Config
 from lipwright.train.hearing import Listening, listen_to_all
+from lipwright.train.learner import LearnerConfig
 
 Report = Callable[[str, float], None]
 Floats = npt.NDArray[np.float32]
@@ -95,8 +96,9 @@ class Corpus:
 
 
 def read_corpus(
-    dataset: Dataset, config: Config, face: Path | None = None, report: Report | None = None
-) -> Corpus:
+    dataset: Dataset, config: Config | LearnerConfig, face: Path | None = None,
+    report: Report | None = None,
+) -> Corpus:  # fmt: skip
     """What a configuration learns from a dataset.
 
     Args:
@@ -130,7 +132,7 @@ def read_corpus(
                 f"{dataset.path}: no frame for {split} shows a face; run: lipwright dataset split"
             )
     columns = _columns(dataset, config, reader.names, splits[TRAIN])
-    if "sound" in config.features:
+    if isinstance(config, Config) and "sound" in config.features:
         splits = _with_sound(config, splits, report)
     return Corpus(
         {
@@ -171,7 +173,7 @@ def _with_sound(
 class _Reader:
     """Takes out of recordings that must agree with each other."""
 
-    def __init__(self, dataset: Dataset, config: Config, face: Path | None) -> None:
+    def __init__(self, dataset: Dataset, config: Config | LearnerConfig, face: Path | None) -> None:
         self.dataset, self.config = dataset, config
         self.fps = 0.0
         self.first = ""
@@ -181,7 +183,10 @@ class _Reader:
             self._need_parameters(dataset.names()[0])
             self.model = sha256_of(self.face)
             loaded = load_reference_face(self.face)
-            self.names, self.sd = control_names(loaded, config.targets), loaded.sd(config.targets)
+            self.modes = "joint" if config.targets == "both" else config.targets
+            self.names, self.sd = control_names(loaded, self.modes), loaded.sd(self.modes)
+            if config.targets == "both":
+                self.names += ARKIT
 
     def read(self, name: str) -> Take:
         recording = self.dataset.recording(name)
@@ -217,19 +222,22 @@ class _Reader:
         if self.config.targets == "arkit":
             return recording.motion.arkit
         found = self._need_parameters(recording.name)
-        shape = (len(recording.motion), len(self.names))
+        shape = (len(recording.motion), len(self.sd))
         if str(found.get("model", "")) != self.model:
             raise LipwrightError(
                 f"{recording.folder / FACE_FILE}: is of another reference face than {self.face}; "
                 "name its own with --face, or run: lipwright face fit"
             )
-        values = np.asarray(found.get(self.config.targets))
+        values = np.asarray(found.get(self.modes))
         if values.shape != shape or values.dtype.kind != "f":
             raise LipwrightError(
-                f"{recording.folder / FACE_FILE}: {self.config.targets} has the shape "
+                f"{recording.folder / FACE_FILE}: {self.modes} has the shape "
                 f"{values.shape}, not {shape}; run: lipwright face fit"
             )
-        return np.asarray(values / self.sd, np.float32)
+        modes = np.asarray(values / self.sd, np.float32)
+        if self.config.targets == "both":
+            return np.concatenate([modes, recording.motion.arkit], axis=1)
+        return modes
 
     def _need_parameters(self, name: str) -> dict[str, npt.NDArray[Any]]:
         recording = self.dataset.recording(name)
@@ -259,7 +267,7 @@ def resampled(take: Take, fps: float) -> Take:
 
 
 def _columns(
-    dataset: Dataset, config: Config, names: tuple[str, ...], takes: list[Take]
+    dataset: Dataset, config: Config | LearnerConfig, names: tuple[str, ...], takes: list[Take]
 ) -> list[int]:
     """Which controls to learn, by their place among all of the targets."""
     if config.controls is not None:
@@ -272,14 +280,14 @@ def _columns(
         return [names.index(name) for name in config.controls]
     seen = np.concatenate([take.targets[take.valid] for take in takes])
     moves = seen.std(axis=0, dtype=np.float64) > MOVES
-    columns = list(_spoken(config, names, moves))
+    columns = list(_spoken(names, moves))
     if not columns:
         raise LipwrightError(f"{dataset.path}: no control of {config.targets} moves in training")
     return columns
 
 
-def _spoken(config: Config, names: tuple[str, ...], moves: npt.NDArray[np.bool_]) -> Iterator[int]:
+def _spoken(names: tuple[str, ...], moves: npt.NDArray[np.bool_]) -> Iterator[int]:
     lower = {name for group in SPOKEN for name in GROUPS[group]}
     for column, name in enumerate(names):
-        if moves[column] and (config.targets != "arkit" or name in lower):
+        if moves[column] and (name not in ARKIT or name in lower):
             yield column
