@@ -36,7 +36,7 @@ LEVELS: tuple[frozenset[str], ...] = tuple(
             ("retarget",),
             ("export",),
             ("pipeline", "edits", "expressions"),
-            ("live", "batch", "studio"),
+            ("live", "batch", "studio", "benchmark"),
             ("cli",),
             ("__init__", "__main__"),
         ),

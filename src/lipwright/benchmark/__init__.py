@@ -1,0 +1,1 @@
+"""The benchmark: every engine on the held-out recordings of a dataset, and a report of it."""
