@@ -32,13 +32,13 @@ import numpy as np
 import numpy.typing as npt
 
 from lipwright.audio import open_audio
-from lipwright.capture.face_errors import LUMA
 from lipwright.clip import Clip, frame_times
 from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
 from lipwright.dataset.recording import Recording
 from lipwright.engines.window import FrameMean, predict
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, correlation
+from lipwright.face.appearance import LUMA
 from lipwright.face.faceclip import clip_to_parameters, control_names
 from lipwright.face.reference import FaceParameters, ReferenceFace
 from lipwright.face.reference_file import load_reference_face

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from lipwright.capture.pixels import Samples
 from lipwright.capture.takes import Take
+from lipwright.face.appearance import LUMA
 from lipwright.face.reference import FaceParameters, ReferenceFace
 from lipwright.face.vertices import REGIONS
 
-LUMA: Final = np.array([0.299, 0.587, 0.114], np.float32)  # ITU-R BT.601, section 2.5.1
 DECIMALS: Final = 5
 _BATCH: Final = 100  # frames of which pixels are made at a time
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,8 @@ import numpy.typing as npt
 from lipwright.face.warp import Grid
 
 Values = npt.NDArray[np.floating[Any]]
+
+LUMA: Final = np.array([0.299, 0.587, 0.114], np.float32)  # ITU-R BT.601, section 2.5.1
 
 
 def check_modes(name: str, modes: Values, sd: Values, tail: tuple[int, ...]) -> None:
@@ -93,3 +95,15 @@ class Appearance:
         parameters = np.asarray(parameters, np.float32)
         flat = parameters @ self.modes.reshape(len(self), -1)
         return np.asarray(self.mean + flat.reshape(*parameters.shape[:-1], *self.mean.shape))
+
+    def grey(self, parameters: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """The grey levels (..., P) of parameters (..., n), clipped to 0 to 255."""
+        mean, modes = self._in_grey
+        found = np.asarray(parameters, np.float32) @ modes
+        found += mean
+        return np.asarray(np.clip(found, 0, 255, out=found))
+
+    @cached_property
+    def _in_grey(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """(P,) the mean and (n, P) the modes, without colour."""
+        return self.mean @ LUMA, np.ascontiguousarray(self.modes @ LUMA)
