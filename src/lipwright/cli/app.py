@@ -14,6 +14,7 @@ from lipwright.cli import (
     capturing,
     converting,
     datasets,
+    evaluating,
     faces,
     heads,
     listing,
@@ -48,6 +49,7 @@ app.add_command(datasets.dataset)
 app.add_command(faces.face)
 app.add_command(training.train)
 app.add_command(training.tune)
+app.add_command(evaluating.evaluate)
 app.add_command(modelling.models)
 app.add_command(bigrams.bigrams)
 bigrams.bigrams.add_command(bigram_fitting.fit)

@@ -181,6 +181,25 @@ def split_dataset(dataset: Dataset, options: SplitOptions, *, keep: bool = False
     return Dataset(dataset.path, manifest)
 
 
+def hold_out(dataset: Dataset, options: SplitOptions) -> Dataset:
+    """The dataset whose held-out recordings are `unseen`; the others stay as they are split.
+
+    Raises:
+        LipwrightError: a file cannot be read, a pattern or word holds nothing out, or nothing is
+            left to train on.
+    """
+    check_hold_outs(dataset, options)
+    words = _words(dataset, options)
+    entries = [
+        {**entry, "split": UNSEEN} if is_held_out(entry["name"], words[entry["name"]], options)
+        else entry
+        for entry in dataset.entries
+    ]  # fmt: skip
+    if TRAIN not in {entry.get("split") for entry in entries}:
+        raise LipwrightError(f"{dataset.path}: nothing is left to train on; hold out less")
+    return Dataset(dataset.path, {**dataset.manifest, "recordings": entries})
+
+
 def _words(dataset: Dataset, options: SplitOptions) -> dict[str, tuple[str, ...]]:
     """Name to what is said, as far as somebody asks."""
     words: dict[str, tuple[str, ...]] = {}
