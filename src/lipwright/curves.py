@@ -1,8 +1,9 @@
-"""Sampled curves: what may be done to their slopes."""
+"""Sampled curves: what may be done to their slopes, and the Bezier curves that ease."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -52,3 +53,25 @@ def limited(values: Floats, step: float, widen: Collection[int] = ()) -> Floats:
     if (wider := fast & widened).any():
         result[:, wider] = widened_to_slope(values[:, wider], step)
     return result
+
+
+def bezier_ease(x: npt.ArrayLike, first: float, second: float) -> Floats:
+    """A cubic Bezier curve from (0, 0) to (1, 1) that is flat at both ends.
+
+    Args:
+        x: of any shape; below 0 counts as 0, above 1 as 1.
+        first: x of the first control point, whose y is 0; 0 to 1.
+        second: x of the second one, whose y is 1; 0 to 1.
+
+    Returns:
+        y of the shape of `x`, 0 to 1, right to 1e-5.
+    """
+    return np.interp(np.asarray(x, np.float64), *_bezier_table(first, second))
+
+
+@cache
+def _bezier_table(first: float, second: float) -> tuple[Floats, Floats]:
+    t = np.linspace(0, 1, 257)
+    x = 3 * first * (1 - t) ** 2 * t + 3 * second * (1 - t) * t**2 + t**3
+    y = 3 * (1 - t) * t**2 + t**3
+    return x, y
