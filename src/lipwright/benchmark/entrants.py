@@ -81,8 +81,7 @@ def _usual() -> Iterator[Entrant]:
     )  # fmt: skip
     yield Entrant(
         "bigram", "phone bigrams", "rules",
-        "Xu et al. 2013: curves for pairs of phones; the set that ships, fitted on other recordings "
-        "of GRID speaker 1 and completed by rules.",
+        "Xu et al. 2013: curves for pairs of phones, of the set that ships.",
         "bigram",
     )  # fmt: skip
     yield Entrant(
@@ -135,9 +134,7 @@ def choose_entrants(options: BenchmarkOptions) -> tuple[Entrant, ...]:
 
 
 def _named(names: tuple[str, ...]) -> Iterator[Entrant]:
-    peers = {
-        name: Entrant(name, peer.title, "peer", peer.about) for name, peer in PEERS.items()
-    }
+    peers = {name: Entrant(name, peer.title, "peer", peer.about) for name, peer in PEERS.items()}
     known = {**USUAL, **FURTHER, **peers}
     found: dict[str, Entrant] = {}
     for name in names:

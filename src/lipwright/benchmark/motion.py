@@ -78,8 +78,8 @@ class Performer:
         return animate_track(track, self._options(), sound)
 
     def _options(self, **changes: Any) -> AnimateOptions:
-        if self.entrant.engine == OF_BIGRAMS:
-            return AnimateOptions(bigrams=self.model or "english", fps=FPS, **changes)
+        if self.entrant.engine == OF_BIGRAMS and self.model is not None:
+            return AnimateOptions(bigrams=self.model, fps=FPS, **changes)
         return AnimateOptions(self.entrant.engine, self.model, fps=FPS, **changes)
 
     def _head_curves(

@@ -17,7 +17,6 @@ from lipwright.benchmark.motion import FPS, Performer
 from lipwright.benchmark.options import BenchmarkOptions
 from lipwright.benchmark.reporting import write_report
 from lipwright.benchmark.scoring import (
-    OURS,
     Performance,
     Stage,
     aperture_over_loud,
@@ -31,11 +30,14 @@ from lipwright.benchmark.values import Benchmark, Cost, Curves, Entry, SplitResu
 from lipwright.benchmark.variants import Variant, make_variants
 from lipwright.benchmark.versions import versions
 from lipwright.benchmark.watching import write_sheets
+from lipwright.clip import Clip
+from lipwright.controls import ARKIT
 from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
 from lipwright.dataset.lock import locked
+from lipwright.dataset.recording import Recording
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.errors import error_rows
-from lipwright.evaluate.heads import rulers
+from lipwright.evaluate.heads import OUR_HEAD, rulers
 from lipwright.evaluate.lips import Aperture, speech_span
 from lipwright.evaluate.measures import Scores
 from lipwright.face.reference import ReferenceFace
@@ -84,7 +86,9 @@ def run_benchmark(
     variants = make_variants(ground.dataset, options)
     with locked(out, "report"):
         trained = _train(ground, variants, report, tell)
-        splits, costs, bridge = [], {}, {}
+        splits: list[SplitResult] = []
+        costs: dict[str, Cost] = {}
+        bridge: Scores = {}
         for variant in variants:
             stage = _stage(ground, variant)
             performers = _performers(ground, variant, trained)
@@ -235,7 +239,7 @@ def _curves(number: int, stage: Stage, found: Mapping[str, Performance]) -> Curv
         clip = one.moves[number].animated
         if clip is not None:
             estimated[name] = aperture_over_loud(
-                Aperture(clip.times, stage.heads[OURS](clip)), times
+                Aperture(clip.times, stage.heads[OUR_HEAD](clip)), times
             )
     return Curves(
         recording.name, str(recording.info.get("text", "")).strip(), recording.track.phones,
@@ -258,11 +262,15 @@ def _keep_curves(
             write_curves(ground.out / CURVES / name / variant.name, clips)
 
 
+def _captured(recording: Recording) -> Clip:
+    """The captured weights, frame by frame; at rest where no face was seen."""
+    weights = np.nan_to_num(recording.motion.arkit)
+    return Clip(ARKIT, recording.motion.fps, weights)
+
+
 def _bridge_error(stage: Stage) -> Scores:
     """The real weights through the bridge."""
-    modes = [
-        stage.bridge.apply(recording.motion.to_clip()) for recording in stage.recordings
-    ]
+    modes = [stage.bridge.apply(_captured(recording)) for recording in stage.recordings]
     return error_rows(stage.face, stage.truths, modes)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lipwright.benchmark.motion import Moves, Performer
 from lipwright.clip import Clip
+from lipwright.controls import ARKIT
 from lipwright.dataset.folder import Dataset
 from lipwright.dataset.recording import Recording
 from lipwright.dataset.splits import TRAIN
@@ -17,16 +18,13 @@ from lipwright.errors import LipwrightError
 from lipwright.evaluate.bridge import Bridge, fit_bridge
 from lipwright.evaluate.classes import class_rows
 from lipwright.evaluate.errors import Truth, error_rows, load_truth
-from lipwright.evaluate.heads import Ruler
+from lipwright.evaluate.heads import OUR_HEAD, Ruler
 from lipwright.evaluate.lip_rows import lip_rows, lower
 from lipwright.evaluate.lips import Aperture, evaluate
 from lipwright.evaluate.measures import Rows, Scores
 from lipwright.face.faceclip import control_names
 from lipwright.face.reference import ReferenceFace
-from lipwright.controls import ARKIT
 from lipwright.phones import SILENCE
-
-OURS = "our head"
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,15 +107,12 @@ class Performance:
         return {**self.errors, **(lower(self.by_head)[1] if self.by_head else {})}
 
 
-def measure(
-    performer: Performer, stage: Stage, tick: Iterable[None] | None = None
-) -> Performance:
+def measure(performer: Performer, stage: Stage) -> Performance:
     """An entrant on every recording of a stage.
 
     Raises:
         LipwrightError: its model or curves cannot be used.
     """
-    del tick
     moves = tuple(performer.perform(one, stage.bridge) for one in stage.recordings)
     modes = [one.modes for one in moves]
     animated = [one.animated for one in moves if one.animated is not None]
@@ -128,7 +123,7 @@ def measure(
         class_rows(stage.face, stage.truths, modes),
         {head: _lips(stage, animated, ruler) for head, ruler in stage.heads.items()}
         if animated else {},
-        _lips(stage, bare, stage.heads[OURS]) if bare else {},
+        _lips(stage, bare, stage.heads[OUR_HEAD]) if bare else {},
     )  # fmt: skip
 
 
@@ -141,6 +136,8 @@ def _lips(stage: Stage, clips: Sequence[Clip], ruler: Ruler) -> Scores:
     ])  # fmt: skip
 
 
-def aperture_over_loud(aperture: Aperture, times: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def aperture_over_loud(
+    aperture: Aperture, times: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
     """An aperture at some times, over its 95th percentile."""
     return aperture.at(times) / max(aperture.loud, 1e-9)

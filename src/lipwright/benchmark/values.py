@@ -40,7 +40,7 @@ class Cost:
     training_s: float | None
     """of the model that the test recordings are measured with"""
     real_time: float | None
-    """s of speech animated in a second, one core, model loaded, from phones to curves at 60 fps"""
+    """s of speech animated in a second, model loaded, from phones and sound to curves at 60 fps"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from lipwright.cli.progress import keeps, progress_option, progress_report, say
 from lipwright.errors import LipwrightError, MissingExtraError
+
+if TYPE_CHECKING:
+    from lipwright.benchmark.options import BenchmarkOptions
 
 EXAMPLES = """\b
 Examples:
@@ -70,21 +73,20 @@ def evaluate(path: Path, out: Path, progress: str, **given: Any) -> None:
         say(f"{out}: {count} recordings{best}; see {out / 'index.html'}")
 
 
-def _options(given: dict[str, Any]) -> Any:
+def _options(given: dict[str, Any]) -> BenchmarkOptions:
     from lipwright.benchmark.options import BenchmarkOptions
 
-    return BenchmarkOptions(
-        engines=_list(given["engines"]),
-        models=tuple(_pair(value, "--model", "MODEL") for value in given["models"]),
-        curves=tuple(
-            (name, Path(folder))
-            for name, folder in (_pair(value, "--curves", "FOLDER") for value in given["curves"])
-        ),
-        face=given["face"], second_head=given["second_head"], hold_out=given["hold_out"],
-        hold_out_words=_list(given["hold_out_words"] or ""), quick=given["quick"],
-        seed=given["seed"], videos=given["videos"], keep_curves=given["keep_curves"],
-        licence=given["licence"],
-    )  # fmt: skip
+    lists: dict[str, Any] = {
+        "engines": _list(given.pop("engines")),
+        "models": tuple(_pair(value, "--model", "MODEL") for value in given.pop("models")),
+        "hold_out_words": _list(given.pop("hold_out_words") or ""),
+    }
+    pairs = [_pair(value, "--curves", "FOLDER") for value in given.pop("curves")]
+    curves = tuple((name, Path(folder)) for name, folder in pairs)
+    try:
+        return BenchmarkOptions(**given, **lists, curves=curves)
+    except ValueError as error:
+        raise LipwrightError(f"lipwright evaluate: {error}") from error
 
 
 def _list(text: str) -> tuple[str, ...]:
