@@ -8,7 +8,7 @@ at i / fps s of its own clock; the clip's are taken from them by monotone cubics
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -24,8 +24,12 @@ from lipwright.track import PhoneTrack
 
 if TYPE_CHECKING:
     from lipwright.audio import Sound
+    from lipwright.network.meta import ModelMeta
 
+Times = npt.NDArray[np.float64]
 Values = npt.NDArray[np.float32]
+Predict = Callable[[Times, slice], Values]
+"""(N, Ky, C), the motion around N of the frames at (T,) times in s"""
 
 CHUNK_FRAMES: Final = 1024  # windows at once, so that an hour needs no more memory than a minute
 
@@ -130,22 +134,35 @@ def animate(
         LipwrightError: the model cannot be used.
     """
     network = open_network(model)
-    curves = np.concatenate(list(_curves(network, track, fps, _heard(network, track, audio))))
+    heard = _heard(network, track, audio)
+    curves = curves_of(
+        lambda times, rows: predict(network, track, times, rows, heard),
+        network.meta, track.end, fps,
+    )  # fmt: skip
     return Clip(clip_names(network), fps, arrange(network, curves))
 
 
-def _curves(
-    network: Network, track: PhoneTrack, fps: float, sound: Values | None
-) -> Iterator[Values]:
-    meta = network.meta
+def frames_of(predict: Predict, meta: ModelMeta, times: Times) -> Iterator[Values]:
+    """The frames at `times`, each the mean of the windows that cover it, in parts (N, C)."""
     mean = FrameMean(meta.output_window, len(meta.controls))
-    resampler = Resampler(meta.features.fps, fps, len(meta.controls))
-    times = frame_times(track.end, meta.features.fps)
     for first in range(0, len(times), CHUNK_FRAMES):
-        rows = slice(first, min(first + CHUNK_FRAMES, len(times)))
-        yield resampler.add(mean.add(predict(network, track, times, rows, sound)))
-    yield resampler.add(mean.end())
-    yield resampler.end(track.end)
+        yield mean.add(predict(times, slice(first, min(first + CHUNK_FRAMES, len(times)))))
+    yield mean.end()
+
+
+def curves_of(predict: Predict, meta: ModelMeta, duration: float, fps: float) -> Values:
+    """(T, C), the model's own controls at another rate, from 0 s to the end of `duration` s.
+
+    Args:
+        predict: what the model says, on its own clock.
+        meta: of the model.
+        duration: s.
+        fps: frames a second of the curves.
+    """
+    resampler = Resampler(meta.features.fps, fps, len(meta.controls))
+    times = frame_times(duration, meta.features.fps)
+    parts = [resampler.add(values) for values in frames_of(predict, meta, times)]
+    return np.concatenate([*parts, resampler.end(duration)])
 
 
 def _heard(network: Network, track: PhoneTrack, audio: Sound | None) -> Values | None:
