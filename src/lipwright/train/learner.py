@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -50,9 +50,6 @@ class LearnerConfig:
     """frames a second that it learns from; null for that of the dataset"""
     seed: int = 0
     comment: str = ""
-
-    features: ClassVar[tuple[str, ...]] = ("raw",)
-    input_window: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         """Check."""
