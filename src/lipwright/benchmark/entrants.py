@@ -45,7 +45,7 @@ def _usual() -> Iterator[Entrant]:
         "lipwright", "Lipwright", "learnt",
         "The default network's configuration, trained here: gated convolutions that also hear.",
         "window", config="lipwright",
-        quick={"epochs": 3, "network.layers": [24] * 6, "augment.voices": [0.9, 1.1]},
+        quick={"epochs": 10, "network.layers": [32] * 6, "augment.voices": [0.9, 1.1]},
     )  # fmt: skip
     yield Entrant(
         "default", "Lipwright, as it ships", "shipped",
@@ -57,7 +57,7 @@ def _usual() -> Iterator[Entrant]:
         "Taylor et al. 2017: fully connected, 3 times 3000 units, windows of 11 and 5 frames.",
         # A pass takes a minute; after eight with a falling rate the error falls by 0.02 % a pass.
         "window", config="window", full={"epochs": 8},
-        quick={"epochs": 2, "network.layers": [200, 200]},
+        quick={"epochs": 10, "network.layers": [200, 200]},
     )  # fmt: skip
     yield Entrant(
         "trees", "decision trees", "learnt",
@@ -72,7 +72,7 @@ def _usual() -> Iterator[Entrant]:
     yield Entrant(
         "lstm", "LSTM", "learnt",
         "Fan et al. 2015: one fully connected and two bidirectional LSTM layers of 500.",
-        "lstm", config="lstm", quick={"epochs": 3, "network.layers": [48, 48, 48]},
+        "lstm", config="lstm", quick={"epochs": 20, "network.layers": [64, 64, 64]},
     )  # fmt: skip
     yield Entrant(
         "dynamic", "dynamic visemes", "learnt",

@@ -67,7 +67,7 @@ def _reference(recording: Recording) -> Aperture:
             f"{recording.folder}: shows no face or says nothing; reject it with: "
             "lipwright dataset reject"
         )
-    return Aperture(recording.times + recording.offset, values)
+    return Aperture(recording.times + recording.offset, np.asarray(values, np.float64))
 
 
 def make_bridge(dataset: Dataset, face: ReferenceFace, face_hash: str) -> Bridge:
