@@ -18,23 +18,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from grid import CORPORA, Sentence, sentences
 from heads import Ruler, rulers
 from lipwright.audio import open_audio
+from lipwright.benchmark.peers import PEERS, animate_peer
 from lipwright.clip import Clip
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.lips import Aperture, LipScore, evaluate, pool
 from lipwright.files import write_whole
-from lipwright.formats import write_track
 from lipwright.pipeline import ALIGNMENT_RATE
 from lipwright.track import PhoneTrack
 from phone_errors import PhoneErrors
@@ -60,32 +55,9 @@ def ours(engine: str, model: str | None = None) -> Animator:
     return animate
 
 
-def openfacefx(track: PhoneTrack, audio: Path | None = None) -> Clip:
-    """The peer, from the same phone times: `openfacefx mfa --textgrid X --retarget arkit`."""
-    del audio
-    with tempfile.TemporaryDirectory() as folder:
-        grid, out = Path(folder) / "phones.TextGrid", Path(folder) / "out.json"
-        write_track(grid, track)
-        subprocess.run(
-            [sys.executable, "-m", "openfacefx", "mfa", "--textgrid", str(grid),
-             "--retarget", "arkit", "--fps", str(FPS), "-o", str(out)],
-            check=True, capture_output=True,
-        )  # fmt: skip
-        return read_openfacefx(json.loads(out.read_text()), track.end)
-
-
-def read_openfacefx(data: dict[str, Any], duration: float) -> Clip:
-    """Its JSON track: channels of keys, linear between them."""
-    from lipwright.clip import frame_times
-
-    times = frame_times(duration, FPS)
-    names, values = [], []
-    for channel in data["channels"]:
-        keys = sorted((float(time), float(value)) for time, value in channel["keys"])
-        if keys:
-            names.append(channel["name"])
-            values.append(np.interp(times, [t for t, _ in keys], [v for _, v in keys]))
-    return Clip(tuple(names), FPS, np.stack(values, axis=1))
+def peer(name: str) -> Animator:
+    """A program of others, from the same phone times."""
+    return lambda track, audio=None: animate_peer(name, track, FPS)
 
 
 SMARTBODY = Path("smartbody-bigrams") / "default.json"
@@ -93,8 +65,8 @@ SMARTBODY = Path("smartbody-bigrams") / "default.json"
 
 def animator(name: str, corpora: Path) -> Animator:
     """An engine or a peer by name; `window:MODEL` and `bigram:SET` say what the engine runs."""
-    if name == "openfacefx":
-        return openfacefx
+    if name in PEERS:
+        return peer(name)
     if name == "smartbody":
         return ours("bigram", str(corpora / SMARTBODY))
     engine, _, model = name.partition(":")
