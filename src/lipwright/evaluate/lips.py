@@ -109,7 +109,7 @@ def best_lag(
     reference_aperture: Aperture, estimated_aperture: Aperture, track: PhoneTrack
 ) -> tuple[float, float]:
     """The lag in s, within 0.2 s, at which r is highest, and that r."""
-    lags = np.arange(-MAX_LAG, MAX_LAG + 1e-9, 0.005)
+    lags = np.arange(-MAX_LAG, MAX_LAG + 1e-9, 0.005).round(3)  # 0 is 0
     values = [
         correlation(reference_aperture, estimated_aperture, track, float(lag)) for lag in lags
     ]
