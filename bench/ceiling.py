@@ -4,9 +4,11 @@
 
 Recordings that begin with the same words (GRID: four of six) are brought to each other's phone
 times and compared as engines are, over these words only. Rows: every pair; pairs whose phones are
-the same, pauses among them; each with the clocks of the videos (as all r of the lips) and of the
-sounds (each picture's offset taken off). Then every measure, of the partners one by one and of the
-mean of all partners, with what the mean of so many takes should reach (`of_mean`).
+the same, pauses among them. Columns: r with both takes on the clocks of their videos (the offsets
+of both pictures are left in), with the partner as an engine (its offset taken off, that of the
+recording left in, as in all r of the lips), and with both on the clocks of their sounds. Then every
+measure, of the partners one by one and of the mean of all partners, with what the mean of so many
+takes should reach (`of_mean`).
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ from lipwright.face.reference_file import load_reference_face
 def line(title: str, pairs: Sequence[Pair]) -> str:
     """Mean and median r of some pairs."""
     found = [title, str(len(pairs))]
-    for name in ("r", "r_on_sound"):
+    for name in ("r_of_videos", "r", "r_on_sound"):
         values = [getattr(pair, name) for pair in pairs]
         known = np.array([value for value in values if np.isfinite(value)])
         mean = float(known.mean()) if len(known) else math.nan
@@ -74,8 +76,11 @@ def main() -> None:
         raise SystemExit(f"{options.dataset}: no two recordings begin with the same words")
     print(f"{len(names)} recordings ({options.split}), {len(result.recordings)} with a partner, "
           f"{len(result.pairs)} pairs")  # fmt: skip
-    print("| pairs | n | r, videos | median | sqrt of mean | r, sounds | median | sqrt of mean |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    print(
+        "| pairs | n | r, videos | median | sqrt | "
+        "r, as an engine | median | sqrt | r, sounds | median | sqrt |"
+    )
+    print("|" + " --- |" * 11)
     print(line("all", result.pairs))
     print(line("the same phones", [pair for pair in result.pairs if pair.is_same]))
     print(line("other phones", [pair for pair in result.pairs if not pair.is_same]))

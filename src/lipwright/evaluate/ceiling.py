@@ -13,6 +13,10 @@ does: the sound, how long phones last (a hurried vowel opens less), or the words
 ones. And rho is measured low by what spoils both takes: edges that the aligner misplaced, pictures
 late by offsets that differ, a linear warp inside phones. So sqrt(rho) is a guide, not a bound.
 
+The other take stands where an engine would: on the clock of the sound, its picture's offset taken
+off. r is measured on the clock of the recording's video, as all r of the lips; with that offset
+taken off too, rho is measured without it (`Pair.r_on_sound`).
+
 All is measured over the shared words only, which are easier or harder than whole sentences: an
 engine is compared with the ceiling over the same words of the same recordings.
 """
@@ -34,6 +38,7 @@ from lipwright.evaluate.lips import Aperture, correlation, evaluate
 from lipwright.evaluate.measures import Rows, Scores
 from lipwright.evaluate.shared_words import (
     FIRST_WORDS,
+    Shared,
     first_words,
     shared_span,
     times_in_other,
@@ -71,9 +76,12 @@ class Pair:
     is_same: bool
     """whether the phones are the same, pauses among them"""
     r: float
-    """of the tracked apertures, on the clocks of the videos; NaN where either does not move"""
+    """of the tracked apertures, as an engine's: the partner on the clock of its sound, the
+    recording on that of its video; NaN where either does not move"""
+    r_of_videos: float
+    """both on the clocks of their videos: the offsets of both pictures are left in"""
     r_on_sound: float
-    """the same on the clocks of the sounds: each picture's offset is taken off"""
+    """both on the clocks of their sounds: the offsets of both are taken off"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,15 +225,23 @@ def _takes(
         modes = warp(
             face.join(other.truth.parameters) / sd, other.truth.times, shared, frames
         )  # fmt: skip
-        lips = Aperture(own.lips.times, other.lips.at(times_in_other(shared, own.lips.times)))
-        on_sound = Aperture(frames, other.lips.at(times_in_other(shared, frames) + other.offset))
+        lips = _in_time_of(own.lips.times, other, shared)
         span = _need_span(own.truth.track, count)
+        on_sound = Aperture(frames, own.lips.values)
         pair = Pair(
             own.truth.name, other.truth.name, shared.is_same,
-            correlation(own.lips, lips, span),
-            correlation(Aperture(frames, own.lips.values), on_sound, span),
+            r=correlation(own.lips, lips, span),
+            r_of_videos=correlation(
+                own.lips, _in_time_of(own.lips.times, replace(other, offset=0.0), shared), span
+            ),
+            r_on_sound=correlation(on_sound, _in_time_of(frames, other, shared), span),
         )  # fmt: skip
         yield _Warped(pair, Clip(names, 1 / own.lips.step, modes.astype(np.float32)), lips)
+
+
+def _in_time_of(times: Floats, other: Recorded, shared: Shared) -> Aperture:
+    """The aperture of another take, its offset taken off, at the same phones at `times`."""
+    return Aperture(times, other.lips.at(times_in_other(shared, times) + other.offset))
 
 
 def _need_span(track: PhoneTrack, count: int) -> PhoneTrack:
