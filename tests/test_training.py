@@ -24,10 +24,11 @@ from lipwright.track import PhoneTrack
 
 torch = pytest.importorskip("torch", reason="the extra `train` is not installed")
 
-from lipwright.train.checkpoint import Checkpoint, load_checkpoint  # noqa: E402  # needs torch
+from lipwright.train.batches import batches  # noqa: E402  # needs torch
+from lipwright.train.checkpoint import Checkpoint, load_checkpoint  # noqa: E402
 from lipwright.train.config import Config, Loss, Rates  # noqa: E402
 from lipwright.train.config_file import config_from, load_config, override  # noqa: E402
-from lipwright.train.data import Data, batches, make_data  # noqa: E402
+from lipwright.train.data import Data, make_data  # noqa: E402
 from lipwright.train.export import write_model  # noqa: E402
 from lipwright.train.loop import (  # noqa: E402
     deterministic,

@@ -101,11 +101,7 @@ def predict_at(
     network: Network, track: PhoneTrack, times: npt.NDArray[np.float64], audio: Sound | None = None
 ) -> Values:
     """(T, C), the network's own controls at (T,) `times` in s, one frame of its clock apart."""
-    heard = None
-    if audio is not None and "sound" in network.meta.features.kinds:
-        from lipwright.features.sound import sound_features
-
-        heard = sound_features(audio, times)
+    heard = heard_at(network, times, audio)
     mean = FrameMean(network.meta.output_window, len(network.meta.controls))
     windows = predict(network, track, times, slice(None), heard)
     return np.concatenate([mean.add(windows), mean.end()])
@@ -134,7 +130,7 @@ def animate(
         LipwrightError: the model cannot be used.
     """
     network = open_network(model)
-    heard = _heard(network, track, audio)
+    heard = heard_at(network, frame_times(track.end, network.meta.features.fps), audio)
     curves = curves_of(
         lambda times, rows: predict(network, track, times, rows, heard),
         network.meta, track.end, fps,
@@ -165,12 +161,13 @@ def curves_of(predict: Predict, meta: ModelMeta, duration: float, fps: float) ->
     return np.concatenate([*parts, resampler.end(duration)])
 
 
-def _heard(network: Network, track: PhoneTrack, audio: Sound | None) -> Values | None:
+def heard_at(network: Network, times: Times, audio: Sound | None) -> Values | None:
+    """(T, S), what a network hears at `times` (T,) s; None of one that listens to nothing."""
     if audio is None or "sound" not in network.meta.features.kinds:
         return None
     from lipwright.features.sound import sound_features
 
-    return sound_features(audio, frame_times(track.end, network.meta.features.fps))
+    return sound_features(audio, times)
 
 
 def open_network(model: str | Path | Network | None = None) -> Network:

@@ -115,6 +115,8 @@ class ModelMeta:
                 raise ValueError(f"'output_window' of a sequence is {self.output_window}, not 1")
             if "spans" in self.features.kinds:
                 raise ValueError("'features' of a sequence has spans, which only windows have")
+        if self.kind == "recurrent" and self.features.window != 1:
+            raise ValueError(f"'features' of a recurrent network see {self.features.window} frames")
 
     def _check_controls(self) -> None:
         if not self.controls or not all(isinstance(n, str) and n for n in self.controls):

@@ -49,10 +49,10 @@ class Network:
 
         Args:
             features: windows: (N, D), one row a window. Sequence: (1, W, F), W frames of which
-                W - Kx + 1 have a whole window.
+                W - Kx + 1 have a whole window. Recurrent: (1, T, F), all frames.
 
         Returns:
-            Windows: (N, Ky, C). Sequence: (1, W - Kx + 1, C).
+            Windows: (N, Ky, C). Sequence: (1, W - Kx + 1, C). Recurrent: (1, T, C).
 
         Raises:
             ValueError: the features have another shape.
@@ -76,7 +76,7 @@ class Network:
 
 
 def input_width(meta: ModelMeta) -> int:
-    """Columns of the input: D of windows, F of a sequence."""
+    """Columns of the input: D of windows, F of a sequence and of a recurrent network."""
     return meta.features.size if meta.kind == "windows" else meta.features.frame_size
 
 

@@ -42,11 +42,12 @@ class Network:
         MisfitError: a value is out of range.
     """
 
-    kind: Literal["dense", "conv", "gated"] = "dense"
+    kind: Literal["dense", "conv", "gated", "recurrent"] = "dense"
     """dense: windows in, windows out; conv: valid convolutions over all frames of a sequence;
-    gated: the same, each with a gate, added to what it was given"""
+    gated: the same, each with a gate, added to what it was given; recurrent: a fully connected
+    layer and bidirectional LSTMs over all frames"""
     layers: tuple[int, ...] = (3000, 3000, 3000)
-    """units of each hidden layer; of conv, channels"""
+    """units of each hidden layer; of conv, channels; of an LSTM, of both directions together"""
     dropout: tuple[float, ...] = (0.5,)
     """share of each hidden layer's units that is dropped; one number is for all layers"""
     activation: Literal["tanh", "leaky_relu"] = "tanh"
@@ -67,9 +68,12 @@ class Network:
         need(len(self.dropout) in {1, count}, "dropout", f"must be one number, or {count}")
         need(all(0 <= p < 1 for p in self.dropout), "dropout", "must be from 0 to below 1")
         need(0 <= self.slope < 1, "slope", "must be from 0 to below 1")
-        if self.kind == "dense":
+        if self.kind in {"dense", "recurrent"}:
             need(not self.kernels, "kernels", "are for networks of the kind 'conv'")
             need(not self.dilations, "dilations", "are for networks of the kind 'conv'")
+            if self.kind == "recurrent":
+                need(count >= 2, "layers", "of a recurrent network are 2 or more, the first dense")
+                need(all(size % 2 == 0 for size in self.layers[1:]), "layers", "of LSTMs are even")
             return
         need(count > 0, "layers", "must name a layer at least")
         need(len(self.kernels) == count, "kernels", f"must be {count}, one a layer")
@@ -224,7 +228,8 @@ class Config:
     """each: controls less their mean, over their standard deviation in training; common: over that
     of all controls together; none: as they come"""
     batch: int = 100
-    """windows before each step; 0 for all of one recording; of conv, stretches"""
+    """windows before each step; 0 for all of one recording; of conv, stretches; of recurrent
+    networks, whole recordings"""
     stretch: int = 50
     """frames that conv learns from at once"""
     epochs: int = 100
@@ -257,12 +262,13 @@ class Config:
         need(self.fps is None or 1 <= self.fps <= 1000, "fps", "must be 1 to 1000, or null")
         self._check_names()
         need(0 <= self.average < 1, "average", "must be from 0 to below 1")
-        hears = self.is_sequence and "sound" in self.features
+        hears = self.is_sequence and not self.is_recurrent and "sound" in self.features
         need(hears or self.augment == Augment(), "augment", "needs a conv network with 'sound'")
         if self.is_sequence:
             reach = self.network.reach
-            need("spans" not in self.features, "features", "of a conv network have no 'spans'")
-            need(self.output_window == 1, "output_window", "of a conv network is 1")
+            kind = "recurrent" if self.is_recurrent else "conv"
+            need("spans" not in self.features, "features", f"of a {kind} network have no 'spans'")
+            need(self.output_window == 1, "output_window", f"of a {kind} network is 1")
             need(self.input_window == reach, "input_window", f"must be {reach}, as kernels see")
 
     def _check_names(self) -> None:
@@ -281,6 +287,11 @@ class Config:
     def is_sequence(self) -> bool:
         """Whether the network runs over all frames at once."""
         return self.network.kind != "dense"
+
+    @property
+    def is_recurrent(self) -> bool:
+        """Whether each frame that it gives depends on all frames."""
+        return self.network.kind == "recurrent"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as `config_from` reads them."""

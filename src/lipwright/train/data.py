@@ -6,9 +6,8 @@ A window is made when a batch asks for it: those of Taylor et al. 2017 would fil
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -212,39 +211,6 @@ def _with_ends(values: npt.NDArray[np.generic], pad: int) -> npt.NDArray[np.floa
 
 def _joined(parts: Sequence[npt.NDArray[np.float32]]) -> Tensor:
     return torch.from_numpy(np.concatenate(parts))
-
-
-def batches(arrays: Arrays, config: Config, random: np.random.Generator) -> Iterator[Tensor]:
-    """The frames of each step of an epoch, in random order.
-
-    They are the middles of windows, or the firsts of stretches of `stretch_of` frames.
-    """
-    if config.batch == 0 and not config.is_sequence:
-        for take in random.permutation(len(arrays.takes)):
-            yield torch.arange(arrays.starts[take], arrays.starts[take + 1])
-        return
-    order = random.permutation(_firsts(arrays, config, random))
-    for part in np.array_split(order, range(config.batch or 1, len(order), config.batch or 1)):
-        yield torch.from_numpy(part)
-
-
-def stretch_of(arrays: Arrays, config: Config) -> int:
-    """How many frames one example of a batch gives: Ky of windows."""
-    if not config.is_sequence:
-        return config.output_window
-    return min(config.stretch, *(len(take.times) for take in arrays.takes))
-
-
-def _firsts(arrays: Arrays, config: Config, random: np.random.Generator) -> npt.NDArray[np.int64]:
-    if not config.is_sequence:
-        return np.arange(len(arrays))
-    length = stretch_of(arrays, config)
-    firsts = []
-    for start, stop in pairwise(arrays.starts):
-        shift = int(random.integers(length))
-        places = np.arange(start - shift, stop, length)
-        firsts.append(np.unique(np.clip(places, start, stop - length)))
-    return np.concatenate(firsts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ else here does.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -23,13 +23,13 @@ from lipwright.dataset.folder import sha256_of
 from lipwright.dataset.recording import to_json
 from lipwright.errors import LipwrightError
 from lipwright.network import ModelMeta, check_golden
-from lipwright.network.meta import GOLDEN_FILE, META_FILE, MODEL_FILE
+from lipwright.network.meta import GOLDEN_FILE, META_FILE, MODEL_FILE, Kind
 from lipwright.network.runtime import INPUT, OUTPUT
 from lipwright.train.checkpoint import Weights
 from lipwright.train.config import Config
 from lipwright.train.data import Data
 from lipwright.train.loop import network_of
-from lipwright.train.networks import GatedBlock, Net
+from lipwright.train.networks import BothWays, GatedBlock, Net
 
 Floats = npt.NDArray[np.float64]
 
@@ -90,6 +90,18 @@ def _fold_outputs(of: Weighted, data: Data) -> Weighted:
     return Weighted(of.layer, of.weight * rows, of.bias * sd + mean)
 
 
+def _memory(part: nn.LSTM) -> Iterator[npt.NDArray[np.float32]]:
+    """Weights, recurrent weights and biases of one direction as ONNX has them.
+
+    Its gates are input, output, forget and cell; torch's input, forget, cell and output.
+    """
+    names = ("weight_ih_l0", "weight_hh_l0", "bias_ih_l0", "bias_hh_l0")
+    weights = [getattr(part, name).detach().numpy() for name in names]
+    taken, kept, *biases = [np.concatenate([np.split(w, 4)[k] for k in (0, 3, 1, 2)])
+                            for w in weights]  # fmt: skip
+    yield from (taken, kept, np.concatenate(biases))
+
+
 class Graph:
     """Nodes and weights of an ONNX graph as they come."""
 
@@ -119,6 +131,8 @@ class Graph:
             return self.node("Gemm", given, *parts, transB=1)
         if isinstance(layer, GatedBlock):
             return self.gated(layer, given)
+        if isinstance(layer, BothWays):
+            return self.both_ways(layer, given)
         if isinstance(layer, nn.LeakyReLU):
             return self.node("LeakyRelu", given, alpha=layer.negative_slope)
         assert isinstance(layer, nn.Tanh), f"no ONNX node for {type(layer).__name__}"
@@ -133,6 +147,19 @@ class Graph:
         past = self.slice(given, block.cut, -block.cut, axis=2) if block.cut else given
         return self.node("Add", past, added)
 
+    def both_ways(self, layer: BothWays, given: str) -> str:
+        """A bidirectional LSTM of frames (T, H); the name of its output (T, U)."""
+        units = layer.ahead.hidden_size
+        both = [_memory(part) for part in (layer.ahead, layer.back)]
+        parts = [self.weight(np.stack(values)) for values in zip(*both, strict=True)]
+        single = self.reshape(given, -1, 1, layer.ahead.input_size)
+        made = self.node("LSTM", single, *parts, hidden_size=units, direction="bidirectional")
+        return self.reshape(made, -1, 2 * units)  # (T, 2, 1, U / 2)
+
+    def reshape(self, given: str, *shape: int) -> str:
+        """An array in another shape; its name."""
+        return self.node("Reshape", given, self.weight(np.array(shape, np.int64)))
+
     def slice(self, given: str, first: int, stop: int, axis: int) -> str:
         """Part of an array along one axis; its name."""
         limits = [self.weight(np.array([value], np.int64)) for value in (first, stop, axis)]
@@ -142,21 +169,13 @@ class Graph:
 def make_model(config: Config, data: Data, members: Sequence[Weights]) -> onnx.ModelProto:
     """The ONNX model of the mean of all members."""
     graph, ends = Graph(), []
-    given = graph.node("Transpose", INPUT, perm=[0, 2, 1]) if config.is_sequence else INPUT
+    given = _opening(graph, config, data)
     for weights in members:
         value = given
         for layer in folded(network_of(config, data, weights), data):
             value = graph.layer(layer, value)
         ends.append(value)
-    value = graph.node("Mean", *ends) if len(ends) > 1 else ends[0]
-    controls = len(data.controls)
-    if config.is_sequence:
-        value = graph.node("Transpose", value, perm=[0, 2, 1])
-        ports: list[list[str | int]] = [[1, "W", data.features.frame_size], [1, "T", controls]]
-    else:
-        shape = np.array([-1, config.output_window, controls], np.int64)
-        value = graph.node("Reshape", value, graph.weight(shape))
-        ports = [["N", data.features.size], ["N", config.output_window, controls]]
+    ports = _close(graph, graph.node("Mean", *ends) if len(ends) > 1 else ends[0], config, data)
     graph.nodes[-1].output[0] = OUTPUT
     taken, made = (
         helper.make_tensor_value_info(name, TensorProto.FLOAT, shape)
@@ -169,6 +188,33 @@ def make_model(config: Config, data: Data, members: Sequence[Weights]) -> onnx.M
     )  # fmt: skip
     onnx.checker.check_model(model, full_check=True)
     return model
+
+
+def _opening(graph: Graph, config: Config, data: Data) -> str:
+    """The input as the first layer takes it; its name."""
+    if config.is_recurrent:
+        return graph.reshape(INPUT, -1, data.features.frame_size)
+    return graph.node("Transpose", INPUT, perm=[0, 2, 1]) if config.is_sequence else INPUT
+
+
+def _close(graph: Graph, value: str, config: Config, data: Data) -> list[list[str | int]]:
+    """Bring what the last layer gives into the shape of the output; shapes of both ports."""
+    controls, frame = len(data.controls), data.features.frame_size
+    if config.is_recurrent:
+        graph.reshape(value, 1, -1, controls)
+        return [[1, "T", frame], [1, "T", controls]]
+    if config.is_sequence:
+        graph.node("Transpose", value, perm=[0, 2, 1])
+        return [[1, "W", frame], [1, "T", controls]]
+    graph.reshape(value, -1, config.output_window, controls)
+    return [["N", data.features.size], ["N", config.output_window, controls]]
+
+
+def kind_of(config: Config) -> Kind:
+    """What meta.json calls the network."""
+    if config.is_recurrent:
+        return "recurrent"
+    return "sequence" if config.is_sequence else "windows"
 
 
 @torch.no_grad()
@@ -221,7 +267,7 @@ def write_model(
     features, controls = golden_batch(config, data, members)
     np.savez_compressed(folder / GOLDEN_FILE, features=features, controls=controls)
     meta = ModelMeta(
-        name=config.name, kind="sequence" if config.is_sequence else "windows",
+        name=config.name, kind=kind_of(config),
         features=data.features, output_window=config.output_window, controls=data.controls,
         target=config.targets,
         files={name: sha256_of(folder / name) for name in (MODEL_FILE, GOLDEN_FILE)},

@@ -18,10 +18,10 @@ import torch
 from torch import Tensor
 
 from lipwright.errors import LipwrightError
-from lipwright.train.augment import augmented
+from lipwright.train.batches import batches, examples
 from lipwright.train.checkpoint import Checkpoint, Weights
 from lipwright.train.config import Config, Rates
-from lipwright.train.data import Arrays, Data, Scaling, batches, stretch_of
+from lipwright.train.data import Arrays, Data, Scaling
 from lipwright.train.losses import squared_error, total_loss
 from lipwright.train.networks import Net, make_network, make_optimizer
 from lipwright.train.takes import Report
@@ -207,8 +207,6 @@ def _run_epoch(
     """One pass over the frames for training; the mean loss of its steps."""
     arrays = data.train
     random = _seed(config, *place)
-    length = stretch_of(arrays, config)
-    half = 0 if config.is_sequence else length // 2
     is_halved = halves(config)
     steps = list(batches(arrays, config, random))
     network.train()
@@ -216,15 +214,13 @@ def _run_epoch(
     for number, chosen in enumerate(steps):
         if config.rates.schedule == "one_cycle":
             set_rate(optimizer, one_cycle(config, place[1] - 1 + number / len(steps)))
-        if config.is_sequence:
-            inputs = augmented(arrays, chosen, length, config.augment, random)
-        else:
-            inputs = arrays.windows(chosen)
-        reference, mask = arrays.reference(chosen, half, length - 1 - half)
+        given = examples(arrays, chosen, config, random)
         optimizer.zero_grad(set_to_none=True)
         with torch.autocast("cpu", torch.bfloat16, enabled=is_halved):
-            estimated = network(inputs)
-        loss = total_loss(config.loss, network, reference, estimated.float(), mask, data.opening)
+            estimated = network(*given.inputs).float()
+        loss = total_loss(
+            config.loss, network, given.reference, estimated, given.mask, data.opening
+        )
         loss.backward()  # type: ignore[no-untyped-call]
         if config.optimizer.longest is not None:
             torch.nn.utils.clip_grad_norm_(network.parameters(), config.optimizer.longest)

@@ -90,7 +90,60 @@ def _gated(config: Config, inputs: int, controls: int) -> Iterator[nn.Module]:
     yield from (_activation(config), *_dropout(last), nn.Conv1d(channels, controls, 1))
 
 
-Net = Windows | Sequence
+class BothWays(nn.Module):
+    """A bidirectional LSTM: (N, T, H) to (N, T, U), the first half of U from before."""
+
+    def __init__(self, inputs: int, units: int) -> None:
+        """`inputs` is H, `units` U."""
+        super().__init__()
+        self.ahead = nn.LSTM(inputs, units // 2, batch_first=True)
+        self.back = nn.LSTM(inputs, units // 2, batch_first=True)
+
+    def forward(self, frames: Tensor, turned: Tensor) -> Tensor:
+        """`turned` (N, T) names the frames of each sequence from its end to its start.
+
+        What pads the end of a sequence comes last both ways, and so changes none of its frames.
+        """
+        rows = torch.arange(len(frames))[:, None]
+        before, _ = self.ahead(frames)
+        after, _ = self.back(frames[rows, turned])
+        return torch.cat([before, after[rows, turned]], dim=-1)
+
+
+class Recurrent(nn.Module):
+    """A fully connected layer and LSTMs both ways over frames: (N, T, F) to (N, T, C).
+
+    After Fan et al., "Photo-real talking head with deep bidirectional LSTM" (2015).
+    """
+
+    is_sequence: Final = True
+
+    def __init__(self, config: Config, inputs: int, controls: int) -> None:
+        """`inputs` is F, `controls` C."""
+        super().__init__()
+        first, *others = config.network.layers
+        drop, *drops = config.network.drops
+        parts: list[nn.Module] = [nn.Linear(inputs, first), _activation(config), *_dropout(drop)]
+        size = first
+        for units, share in zip(others, drops, strict=True):
+            parts += [BothWays(size, units), *_dropout(share)]
+            size = units
+        self.layers = nn.ModuleList([*parts, nn.Linear(size, controls)])
+
+    def forward(self, features: Tensor, lengths: Tensor | None = None) -> Tensor:
+        """(N, T, F) to (N, T, C); `lengths` (N,) are frames before the padding, T by default."""
+        frames = torch.arange(features.shape[1])
+        if lengths is None:
+            lengths = torch.full((len(features),), features.shape[1])
+        turned = lengths[:, None] - 1 - frames
+        turned = torch.where(turned >= 0, turned, frames)  # its own inverse
+        value = features
+        for layer in self.layers:
+            value = layer(value, turned) if isinstance(layer, BothWays) else layer(value)
+        return value
+
+
+Net = Windows | Sequence | Recurrent
 
 
 def make_network(config: Config, inputs: int, controls: int) -> Net:
@@ -101,9 +154,16 @@ def make_network(config: Config, inputs: int, controls: int) -> Net:
         inputs: columns of a window (D), or of a frame (F) for convolutions.
         controls: C.
     """
-    made = (Sequence if config.is_sequence else Windows)(config, inputs, controls)
+    made: Net
+    if config.is_recurrent:
+        made = Recurrent(config, inputs, controls)
+    else:
+        made = (Sequence if config.is_sequence else Windows)(config, inputs, controls)
     if config.network.init == "torch":
         return made
+    for part in made.modules():
+        if isinstance(part, nn.LSTM):
+            _draw_memory(part)
     weighted = [part for part in made.layers if isinstance(part, nn.Linear | nn.Conv1d)]
     for part in weighted:
         _draw(part, config, is_last=part is weighted[-1])
@@ -120,6 +180,18 @@ def _draw(part: nn.Linear | nn.Conv1d, config: Config, *, is_last: bool) -> None
     else:
         slope = network.slope if network.activation == "leaky_relu" else 0.0
         nn.init.kaiming_normal_(part.weight, a=slope, nonlinearity="leaky_relu")
+
+
+def _draw_memory(part: nn.LSTM) -> None:
+    """First weights of an LSTM as Keras, with which Taylor et al. trained, draws them."""
+    nn.init.xavier_uniform_(cast(Tensor, part.weight_ih_l0))
+    nn.init.orthogonal_(cast(Tensor, part.weight_hh_l0))
+    for bias in (part.bias_ih_l0, part.bias_hh_l0):
+        nn.init.zeros_(cast(Tensor, bias))
+    # Gates remember at first: Jozefowicz et al., "An empirical exploration of recurrent network
+    # architectures" (2015).
+    units = part.hidden_size
+    nn.init.ones_(cast(Tensor, part.bias_ih_l0)[units : 2 * units])
 
 
 def _activation(config: Config) -> nn.Module:
