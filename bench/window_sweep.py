@@ -11,9 +11,10 @@ these errors with those of full trainings. A finished run is a row of the CSV, w
 whole each time; started again, the sweep goes on where it was.
 
 The error is that of the targets: mean squared error of the parameters of the reference face, as
-they are, and each over its standard deviation ("_sd"); r is that of the lips' aperture
-(bench/error.py). `--configs` trains whole configurations with `lipwright train`'s own code and
-tabulates the same, with their training times; a model that is there is not trained again.
+they are, and each over its standard deviation ("_sd"); r is that of the lips' aperture, of
+predicted and tracked vertices. `--configs` trains whole configurations with `lipwright train`'s
+own code and tabulates the same, with their training times; a model that is there is not trained
+again.
 """
 
 from __future__ import annotations
@@ -28,24 +29,27 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
-from error import Truth, figures, lips_r, load_truth, measure, squared_errors, table
+from error import figures, predict_recording, table
 from lipwright.clip import Clip
 from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
+from lipwright.dataset.recording import Recording
+from lipwright.evaluate.errors import Truth, error_rows, face_r, load_truth
+from lipwright.face.faceclip import control_names
 from lipwright.face.reference import ReferenceFace
 from lipwright.face.reference_file import load_reference_face
 from lipwright.files import write_whole
-from lipwright.network import load_network
 from lipwright.network.meta import META_FILE
 from sweep_rows import Row, draw, grid_table, read_rows, write_rows
 
 if TYPE_CHECKING:
     from lipwright.train.config import Config
     from lipwright.train.takes import Corpus
+
+Targets = Literal["shape", "joint"]
 
 INPUT_WINDOWS = tuple(range(1, 22, 2))  # frames, as in figure 11
 OUTPUT_WINDOWS = tuple(range(1, 16, 2))
@@ -74,26 +78,31 @@ class Held:
     face: ReferenceFace
     truths: dict[str, list[Truth]]
     """split to its recordings"""
+    recordings: dict[str, list[Recording]]
+    """the same, whole"""
 
 
 def hold(dataset: Dataset, face_file: Path, splits: Iterable[str]) -> Held:
     """The recordings of some splits with their parameters of a reference face."""
     known = sha256_of(face_file)
-    truths = {split: [load_truth(dataset, name, known) for name in dataset.names(split)]
-              for split in splits}  # fmt: skip
-    return Held(load_reference_face(face_file), truths)
+    recordings = {split: [dataset.recording(name) for name in dataset.names(split)]
+                  for split in splits}  # fmt: skip
+    truths = {split: [load_truth(one, known) for one in found]
+              for split, found in recordings.items()}  # fmt: skip
+    return Held(load_reference_face(face_file), truths, recordings)
 
 
-def error_of(held: Held, split: str, predicted: list[Clip], targets: str) -> dict[str, float]:
+def error_of(held: Held, split: str, predicted: list[Clip], targets: Targets) -> dict[str, float]:
     """Means over the frames of a split of `targets`, of the same over deviations, and of r."""
-    parts: dict[str, list[npt.NDArray[np.float64]]] = {targets: [], f"{targets}_sd": []}
-    rs = []
+    sd, apart, rs = held.face.sd(targets), [], []
     for truth, clip in zip(held.truths[split], predicted, strict=True):
-        found = squared_errors(held.face, truth, clip)
-        for name, rows in parts.items():
-            rows.append(found[name])
-        rs.append(lips_r(held.face, truth, clip))
-    means = {name: float(np.concatenate(rows).mean()) for name, rows in parts.items()}
+        real = (held.face.join(truth.parameters) if targets == "joint"
+                else truth.parameters.shape)  # fmt: skip
+        made = clip.select(control_names(held.face, targets)).values[truth.valid]
+        apart.append(made - real / sd)
+        rs.append(face_r(held.face, truth, clip))
+    squares = np.square(np.concatenate(apart), dtype=np.float64)
+    means = {targets: float((squares * sd**2).mean()), f"{targets}_sd": float(squares.mean())}
     return {**means, "r": float(np.nanmean(rs))}
 
 
@@ -192,20 +201,21 @@ def training_time(folder: Path) -> tuple[int, float]:
 def compare_configs(options: argparse.Namespace) -> Iterator[str]:
     """Train, and the lines of two tables: of the trainings, and of their errors."""
     folders = train_configs(options)
-    networks = {label: load_network(folder) for label, folder in folders.items()}
     held = hold(open_dataset(options.dataset), options.face, ["test"])
-    found = {label: measure(held.face, held.truths["test"], network)
-             for label, network in networks.items()}  # fmt: skip
-    rows = figures(found)
+    clips = {label: [predict_recording(folder, one) for one in held.recordings["test"]]
+             for label, folder in folders.items()}  # fmt: skip
     yield "| configuration | epochs | training, s | error | over deviations | r |"
     yield "| --- | --- | --- | --- | --- | --- |"
-    for label, row in rows.items():
+    for label, predicted in clips.items():
         epochs, seconds = training_time(folders[label])
-        errors = (row[name]["mean"] for name in (options.targets, f"{options.targets}_sd", "r"))
+        errors = error_of(held, "test", predicted, options.targets)
         yield (f"| {label} | {epochs} | {seconds:.0f} | "
-               + " | ".join(f"{error:.4g}" for error in errors) + " |")  # fmt: skip
+               + " | ".join(f"{error:.4g}" for error in errors.values()) + " |")  # fmt: skip
     yield ""
-    yield from table(rows)
+    yield from table(figures({
+        label: error_rows(held.face, held.truths["test"], predicted)
+        for label, predicted in clips.items()
+    }))  # fmt: skip
 
 
 def options_of() -> argparse.Namespace:

@@ -143,15 +143,24 @@ def _permuted(first: Rows, second: Rows, difference: float, seed: int) -> float:
     is_exact = 2.0 ** differ.sum() <= FLIPS
     columns = differ if is_exact else np.ones_like(differ)
     signs = _every_sign(int(differ.sum())) if is_exact else _signs(len(sums), seed)
-    total = (first.sums + second.sums).sum(), (first.counts + second.counts).sum()
-    moved = _weighted(signs, sums[columns]), _weighted(signs, counts[columns])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        swapped = (total[0] + moved[0]) / (total[1] + moved[1])
-        swapped -= (total[0] - moved[0]) / (total[1] - moved[1])
+    total = _both(first.sums, second.sums, sums, signs, columns)
+    share = _both(first.counts, second.counts, counts, signs, columns)
+    swapped = _ratio(total[0], share[0]) - _ratio(total[1], share[1])
     # Where a swap leaves one engine without the measure, nothing speaks for a difference.
     limit = abs(difference) - _ALIKE * max(abs(first.value), abs(second.value))
     extreme = int((~(np.abs(swapped) < limit)).sum())
     return extreme / len(signs) if is_exact else (extreme + 1) / (len(signs) + 1)
+
+
+def _both(
+    first: Floats, second: Floats, apart: Floats, signs: Floats, columns: npt.NDArray[np.bool_]
+) -> tuple[Floats, Floats]:
+    """Twice what each engine has in all, by which is which: (F,), or (1,) where it is all one."""
+    total = np.atleast_1d((first + second).sum())
+    if not apart.any():
+        return total, total
+    moved = _weighted(signs, apart[columns])
+    return total + moved, total - moved
 
 
 def _weighted(weights: Floats, values: Floats) -> Floats:
@@ -164,7 +173,7 @@ def _ratio(sums: Floats, counts: Floats) -> Floats:
         return np.where(counts > 0, sums / counts, np.nan)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _times_drawn(recordings: int, seed: int, draws: int) -> Floats:
     """(draws, S) how often each recording is in each draw."""
     chosen = np.random.default_rng(seed).integers(recordings, size=(draws, recordings))
@@ -173,13 +182,13 @@ def _times_drawn(recordings: int, seed: int, draws: int) -> Floats:
     return counts.reshape(draws, recordings).astype(float)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _signs(recordings: int, seed: int) -> Floats:
     """(FLIPS, S) 1 or -1, which engine is which."""
     return np.random.default_rng(seed).choice(np.array([-1.0, 1.0]), (FLIPS, recordings))
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _every_sign(recordings: int) -> Floats:
     """(2^S, S) each row of signs once."""
     numbers = np.arange(2**recordings)[:, None]
