@@ -5,8 +5,8 @@ After HTS (Zen et al., "The HMM-based speech synthesis system version 2.0", 2007
 states in a row; decision trees choose each state's Gaussian of value, slope and bend, and how long
 the states last, scaled to the phone's own length. Of the likeliest curve, mlpg.py.
 
-The model's frames are at i / rate s of its own clock (5 ms apart, as in HTS), finer than video, so
-that a short phone has room for its states.
+The model's frames are at i / rate s of its own clock, finer than video, so that a short phone has
+room for its states.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ STATES: Final = 5  # a phone, Zen et al. 2007
 REACH: Final = 2  # phones to each side: a quinphone
 PLACES: Final = 2 * REACH + 1
 MIDDLE: Final = STATES // 2
-BLOCK: Final = 10.0  # s of motion at once, so that an hour needs no more memory than a minute
+BLOCK: Final = 20.0  # s of motion at once, so that an hour needs no more memory than a minute
 MARGIN: Final = 2.0  # s to each side of a block; what is said further away changes nothing in it
 RATES: Final = (10.0, 1000.0)  # frames a second, least and most; less has no room for states
 
@@ -165,8 +165,9 @@ def plan(voice: Voice, track: PhoneTrack) -> Plan:
     return Plan(np.maximum.accumulate(starts.ravel()), np.stack(leaves, axis=1).ravel())
 
 
-def _curves(voice: Voice, track: PhoneTrack, times: Floats) -> Iterator[Values]:
+def _curves(model: ArrayModel, track: PhoneTrack, times: Floats) -> Iterator[Values]:
     """(T', C), the controls at rising times, block after block."""
+    voice, place = voice_of(model), model.path / ARRAYS_FILE
     planned, margin = plan(voice, track), round(MARGIN * voice.rate)
     block = np.floor((times - times[:1]) / BLOCK)
     for part in np.split(times, np.flatnonzero(np.diff(block)) + 1):
@@ -175,7 +176,10 @@ def _curves(voice: Voice, track: PhoneTrack, times: Floats) -> Iterator[Values]:
         first = int(np.floor(part[0] * voice.rate)) - margin
         frames = np.arange(first, int(np.ceil(part[-1] * voice.rate)) + margin + 1)
         leaves = planned.at(frames / voice.rate)
-        curves = likeliest(voice.means[leaves], voice.precisions[leaves])
+        try:
+            curves = likeliest(voice.means[leaves], voice.precisions[leaves])
+        except np.linalg.LinAlgError as error:  # sound models never get here
+            raise LipwrightError(f"{place}: 'deviations' are too far apart; {REMEDY}") from error
         yield monotone_cubic(curves.astype(np.float32), part * voice.rate - first)
 
 
@@ -185,7 +189,7 @@ def predict_at(
     """(T, C), the model's own controls at (T,) rising `times` in s; it hears nothing."""
     del audio
     nothing = np.zeros((0, len(model.meta.controls)), np.float32)
-    return np.concatenate([nothing, *_curves(voice_of(model), track, np.asarray(times, float))])
+    return np.concatenate([nothing, *_curves(model, track, np.asarray(times, float))])
 
 
 def animate(
@@ -263,8 +267,8 @@ def _forest(model: ArrayModel, name: str, phones: int, leaves: int) -> Forest:
     members = model.array(f"{name}_members", "b", (count, phones))
     own = np.arange(count)[:, None]
     later = ((branches > own) & (branches < count)).all(axis=1)
-    _need(model, f"{name}_branches", bool((later | (leaf >= 0)).all()))
     _need(model, f"{name}_leaf", bool((leaf >= -1).all() and (leaf < leaves).all()))
+    _need(model, f"{name}_branches", bool((later | (leaf >= 0)).all()))
     _need(model, f"{name}_place", bool(((place >= 0) & (place < PLACES)).all()))
     return Forest(place, members, branches, leaf)
 

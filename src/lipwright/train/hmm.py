@@ -185,7 +185,7 @@ def _groups(contexts: Indices, trees: str, phones: int) -> list[Indices]:
 def arrays_of(voice: Voice) -> dict[str, npt.NDArray[Any]]:
     """The arrays of model.npz."""
     return {
-        "rate": np.array([voice.rate]),
+        "rate": np.array([voice.rate], np.float64),
         "means": voice.means.astype(np.float32),
         "deviations": (voice.precisions**-0.5).astype(np.float32),
         "durations": voice.durations.astype(np.float32),
