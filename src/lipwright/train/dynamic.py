@@ -7,6 +7,7 @@ length and clustered by k-means. Strings that were never heard are said by parts
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Final, Literal
@@ -55,9 +56,9 @@ class DynamicConfig(LearnerConfig):
     """of k-means, of which the best is kept"""
     candidates: int = 8
     """clusters that are tried for a phone string, the most frequent ones"""
-    smoothness: tuple[float, ...] = (1.0,)
+    smoothness: tuple[float, ...] = (4.0,)
     """weights to try of squared jumps between gestures, over the variance of the face"""
-    rate: tuple[float, ...] = (1.0,)
+    rate: tuple[float, ...] = (4.0,)
     """weights to try of the squared logarithm of how much a gesture is stretched"""
     cut: tuple[float, ...] = (1.0,)
     """costs to try of each end that is cut inside a gesture"""
@@ -161,9 +162,12 @@ def cluster(
         return np.arange(len(gestures))
     from sklearn.cluster import KMeans
     from sklearn.decomposition import PCA
+    from sklearn.exceptions import ConvergenceWarning
     from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # has no types
 
-    with threadpool_limits(1):  # sums in another order give other clusters
+    # Sums in another order give other clusters; faces that repeat themselves give fewer.
+    with threadpool_limits(1), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
         dimensions = min(config.dimensions, *seen.shape)
         shapes = PCA(dimensions, svd_solver="full", random_state=0).fit_transform(seen)
         means = KMeans(config.clusters, n_init=config.starts, random_state=config.seed)
