@@ -110,6 +110,7 @@ def test_the_python_of_the_documents_runs_as_written(workplace: Path) -> None:
             )
 
 
+EVALUATING = ("lipwright evaluate",)  # needs a recording for the test
 TRAINING = ("lipwright train", "lipwright tune")  # need a recording for validation
 DOWNLOADS = ("lipwright asr fetch",)  # gigabytes from a network that tests do without
 
@@ -135,6 +136,9 @@ def test_the_help_ends_in_an_example_with_what_it_really_prints(
         pytest.skip("downloads a model")
     if path in TRAINING:
         assert cli(["dataset", "split", str(workplace / "anna"), "--validation", "1"]) == 0
+    if path in EVALUATING:
+        split = ["--test", "1", "--validation", "0"]
+        assert cli(["dataset", "split", str(workplace / "anna"), *split]) == 0
     run = subprocess.run(
         [sys.executable, "-m", *shlex.split(line)],
         cwd=workplace, capture_output=True, check=True, text=True,
@@ -144,7 +148,7 @@ def test_the_help_ends_in_an_example_with_what_it_really_prints(
     # The list of parts is wider where one is missing.
     rows = [[row.split() for row in lines] for lines in (shown, printed[: len(shown)])]
     # Drawn faces differ a little from machine to machine, and with them what is learnt of them.
-    if path.startswith("lipwright face ") or path in TRAINING:
+    if path.startswith("lipwright face ") or path in (*TRAINING, *EVALUATING):
         rows = [[[re.sub(r"[\d.]+", "#", cell) for cell in row] for row in lines] for lines in rows]
     assert rows[0] == rows[1]
 

@@ -83,7 +83,8 @@ def run_benchmark(
             part, or the folder cannot be written.
     """
     ground = _ground(path, options, out)
-    variants = make_variants(ground.dataset, options)
+    trains = any(one.config is not None for one in ground.entrants)
+    variants = make_variants(ground.dataset, options, trains=trains)
     with locked(out, "report"):
         trained = _train(ground, variants, report, tell)
         splits: list[SplitResult] = []

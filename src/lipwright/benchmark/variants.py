@@ -40,14 +40,21 @@ class Variant:
         return hashlib.sha256(json.dumps(seen).encode()).hexdigest()
 
 
-def make_variants(dataset: Dataset, options: BenchmarkOptions) -> tuple[Variant, ...]:
+def make_variants(
+    dataset: Dataset, options: BenchmarkOptions, *, trains: bool = True
+) -> tuple[Variant, ...]:
     """The test, and the unseen words where some are held out.
+
+    Args:
+        dataset: with its splits.
+        options: what is held out.
+        trains: whether anything is trained, which needs recordings for validation.
 
     Raises:
         LipwrightError: no recording is for the test, for training or for validation, or nothing
             is held out by a pattern or word.
     """
-    for split in (TRAIN, VALIDATION, TEST):
+    for split in (TRAIN, VALIDATION, TEST) if trains else (TRAIN, TEST):
         if not dataset.names(split):
             raise LipwrightError(
                 f"{dataset.path}: no recording is for {split}; run: lipwright dataset split"

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\b
 Examples:
-  lipwright evaluate grid --engines dominance,static -o report
-    report: 50 recordings; best r: dominance 0.701; see report/index.html
+  lipwright evaluate anna --engines dominance,openfacefx --videos 0 -o report
+    report: 1 recording; best r: dominance 0.951; see report/index.html
 \b
   lipwright evaluate grid --engines all --hold-out "???[mvy]??" -o report
   lipwright evaluate grid --engines lipwright,hmm,openfacefx -o report
@@ -70,7 +70,8 @@ def evaluate(path: Path, out: Path, progress: str, **given: Any) -> None:
         name, r = best_r(found)
         best = f"; best r: {name} {r:.3f}" if name else ""
         count = len(found.splits[0].recordings)
-        say(f"{out}: {count} recordings{best}; see {out / 'index.html'}")
+        recordings = "1 recording" if count == 1 else f"{count} recordings"
+        say(f"{out}: {recordings}{best}; see {out / 'index.html'}")
 
 
 def _options(given: dict[str, Any]) -> BenchmarkOptions:
