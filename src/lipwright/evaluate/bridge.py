@@ -8,9 +8,9 @@ such entries are compared with that floor and with each other, not with those th
 
 The map is affine on purpose. It commutes with the mean, so that an engine that predicts the mean of
 the weights gets the mean of the modes; and it continues in straight lines where weights are larger
-than the speaker's. Squares of the weights
-take 1.2 % off the error on captured weights of GRID's speaker 1, and products 0.8 %, but squares add
-6 to 64 % to that of engines, whose weights are elsewhere.
+than the speaker's. Squares of the weights take 1.2 % off the error on captured weights of GRID's
+speaker 1, and products 0.8 %, but squares add 6 to 64 % to that of engines, whose weights are
+elsewhere.
 """
 
 from __future__ import annotations
