@@ -319,6 +319,22 @@ def test_modes_weigh_by_their_size_and_weights_of_heads_as_they_are():
     assert head[0] == head[2] > head[1] == 0
 
 
+def test_a_model_with_endless_choices_for_a_string_is_refused(toy):
+    arrays = dict(toy.arrays)
+    for name in ("gesture", "string", "lengths", "marks", "ends", "costs", "seconds", "cuts"):
+        arrays[name] = np.repeat(arrays[name], 5000, axis=0)[:200_000]
+    with pytest.raises(ValueError, match="more than 4096"):
+        make_units(arrays, toy.meta.features.phones)
+
+
+def test_phones_too_short_for_the_clock_give_finite_motion(toy):
+    late = 36_000.0
+    edges = [0.0, late, np.nextafter(late, np.inf), late + 0.2, late + 0.9]
+    track = PhoneTrack(("sil", "B", "AA", "sil"), edges)
+    values = predict_at(toy, track, late + np.arange(-50, 50) / FPS)
+    assert np.isfinite(values).all()
+
+
 def test_too_little_to_learn_from_is_one_clear_line():
     silent = PhoneTrack(("sil",), [0.0, 3.0])
     times = np.arange(100) / FPS

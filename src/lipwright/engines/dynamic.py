@@ -21,7 +21,7 @@ import numpy.typing as npt
 from lipwright.clip import Clip, frame_times
 from lipwright.engines.dynamic_path import cheapest_cover
 from lipwright.engines.dynamic_speech import Stretch, stretches
-from lipwright.engines.dynamic_units import END, REST, Units, pose_at, units_of
+from lipwright.engines.dynamic_units import END, REST, SHORTEST_S, Units, pose_at, units_of
 from lipwright.engines.learnt import arrange, clip_names, open_arrays_of
 from lipwright.network.arrays import ArrayModel
 from lipwright.track import PhoneTrack
@@ -132,7 +132,7 @@ def _poses(
         mine = owner == index
         place[mine] = np.interp(times[mine], said[index].times, said[index].marks)
     made = pose_at(units.gestures, np.array([piece.gesture for piece in said])[owner], place)
-    reach = np.minimum(np.diff(edges), BEND_S)[owner]
+    reach = np.clip(np.diff(edges), SHORTEST_S, BEND_S)[owner]
     for far, moved in ((times - edges[owner], start), (edges[owner + 1] - times, end)):
         near = 1 - np.clip(far / reach, 0, 1)
         made += (near * near * (3 - 2 * near))[:, None] * moved[owner]

@@ -27,6 +27,8 @@ MAX_JOINTS: Final = 12  # of a unit; few gestures of GRID are longer
 MAX_PHONES: Final = (MAX_JOINTS + PARTS - 2) // PARTS + 1
 REST: Final = 0  # the gesture that stands still
 LIMIT: Final = 1e6  # of any number of a model: sums of their squares must stay finite
+SHORTEST_S: Final = 1e-6  # s, of a unit; nearer joints may be one number late in a long track
+CHOICES: Final = 4096  # units of a string at most, which are all compared with all before them
 END: Final = 0.4  # joints, of an end from its joint at most: two never cross
 
 
@@ -86,7 +88,7 @@ class Units:
         classes = tuple(self.classes[phone] for phone in stretch.phones)
         for place in range(stretch.joints):
             chosen, stops, costs = self._units_at(stretch.phones, classes, place)
-            seconds = np.log(times[stops] - times[place])
+            seconds = np.log(np.maximum(times[stops] - times[place], SHORTEST_S))
             costs += self.costs[chosen] + self.weights.cut * self.cuts[chosen]
             costs += self.weights.rate * np.square(seconds - self.seconds[chosen])
             yield Arcs(stops, costs, self.first[chosen], self.last[chosen]), chosen
@@ -154,6 +156,8 @@ def make_units(arrays: Mapping[str, npt.NDArray[Any]], phones: tuple[str, ...]) 
     seen = arrays["gestures"][:, :, shown] * arrays["visible"][shown].astype(np.float64)
     gesture = arrays["gesture"].astype(np.intp)
     strings, alike = _index(arrays, classes)
+    if max(map(len, strings.values())) > CHOICES:
+        raise ValueError(f"'strings' has more than {CHOICES} units for one string")
     last = marks[np.arange(len(marks)), lengths]
     for part in range(len(phones) * PARTS):
         if ((part // PARTS,), part % PARTS, 1) not in strings:
@@ -222,7 +226,7 @@ def _index(
 
 
 def _frozen(index: Mapping[Key, list[int]]) -> dict[Key, Indices]:
-    return {key: np.array(units, np.intp) for key, units in index.items()}
+    return {key: np.array(units[: CHOICES + 1], np.intp) for key, units in index.items()}
 
 
 def pose_at(gestures: npt.NDArray[Any], which: Indices, place: Floats) -> Floats:

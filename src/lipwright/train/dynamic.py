@@ -250,6 +250,10 @@ def _notes(gestures: Sequence[Gesture], labels: npt.NDArray[np.intp], fps: float
     spans: dict[int, list[Any]] = {}
     for gesture, label in zip(gestures, labels.tolist(), strict=True):
         spans.setdefault(label, []).append(len(gesture.phones))
-    wide = np.mean([np.median(counts) > 2 for counts in spans.values()])
+    usual = np.array([np.median(counts) for counts in spans.values()])
+    wide, joined = (100 * np.mean(usual > phones) for phones in (2, 1))
     yield f"{len(gestures)} gestures, {np.median(lengths):.3f} s long in the median"
-    yield f"{len(spans)} clusters, of which {100 * wide:.0f} % say more than two phones"
+    yield (
+        f"{len(spans)} clusters; the median gesture of {joined:.0f} % says two phones or more, "
+        f"whole or in part, of {wide:.0f} % more than two"
+    )
