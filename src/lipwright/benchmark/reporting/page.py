@@ -6,7 +6,7 @@ benchmark gives the same bytes, but for what it cost.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -121,7 +121,7 @@ def _facts(facts: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Name and value of each plain fact, those within others by their path."""
     for key in sorted(facts, key=str):
         name, value = f"{path}{key}", facts[key]
-        if isinstance(value, dict):
+        if isinstance(value, Mapping):
             yield from _facts(value, f"{name}: ")
         elif isinstance(value, list | tuple):
             yield name, ", ".join(map(str, value)) or "–"

@@ -29,8 +29,6 @@ EDGE: Final = 4  # px around a tile
 PAPER: Final = (16, 18, 20)
 INK: Final = (236, 238, 240)
 
-__all__ = ["RealMouth", "write_video"]
-
 
 def write_video(
     path: Path, real: RealMouth | None, tiles: Sequence[tuple[str, Clip]], audio: Path | None,

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Final
 
 from lipwright.benchmark.reporting.figures import Report, find_figures
+from lipwright.benchmark.reporting.markdown import tables_as_markdown
 from lipwright.benchmark.reporting.page import write_page
 from lipwright.benchmark.reporting.records import write_records
-from lipwright.benchmark.reporting.tables import tables_as_markdown
 from lipwright.benchmark.values import Benchmark
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
