@@ -319,6 +319,15 @@ def test_modes_weigh_by_their_size_and_weights_of_heads_as_they_are():
     assert head[0] == head[2] > head[1] == 0
 
 
+def test_the_weights_are_the_best_that_were_tried():
+    corpus = corpus_of([planted(row) for row in words(12, 6)], [planted(words(1, 13)[0])])
+    tried = learn(corpus, clusters=20, smoothness=(900.0, 4.0), rate=(4.0, 1.0))
+    lines = [note for note in tried.notes if note.startswith("weights")]
+    assert len(lines) >= 3
+    best = min(lines, key=lambda line: float(line.split()[-1]))
+    assert best.startswith("weights smoothness {:g}, rate {:g},".format(*tried.arrays["weights"]))
+
+
 def test_a_model_with_endless_choices_for_a_string_is_refused(toy):
     arrays = dict(toy.arrays)
     for name in ("gesture", "string", "lengths", "marks", "ends", "costs", "seconds", "cuts"):
