@@ -39,7 +39,7 @@ EASE: Final = (0.5, 0.5)  # x of the control points of figure 4.7
 LIP_EASE: Final = (0.6, 0.75)  # and of the upper lip's curve, section 4.6.5
 FIVE_FRAMES: Final = 5 / 30  # s; the thesis's curves have 30 frames a second, section 4.2.1
 FADE_IN: Final = 1.5  # phone lengths, section 4.6.5; that of fading out is in the table
-UPPER_LIP: Final = 0.02  # of mouthUpperUp; not in the thesis. Fits find 0 to 0.02 beside the visemes
+UPPER_LIP: Final = 0.02  # of mouthUpperUp; the thesis names none, fits find 0 to 0.02
 
 # Ours, for speech slower than the thesis's.
 LONGEST_EASE: Final = 0.5  # s from apex to apex; a longer vowel keeps its viseme until then
