@@ -5,7 +5,7 @@ section 3.1: each frame has a Gaussian of a value, of its slope and of its bend;
 of them together find likeliest solves a linear system with five diagonals.
 
 The solver is our own: LAPACK's (scipy.linalg.solveh_banded) takes one control at a time and needs
-five times as long; the tests compare them. nnmnkwii has parameter generation too, but no wheels.
+twice as long; the tests compare them. nnmnkwii has parameter generation too, but no wheels.
 """
 
 from __future__ import annotations
