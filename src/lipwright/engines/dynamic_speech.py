@@ -20,7 +20,7 @@ from lipwright.track import PhoneTrack
 Floats = npt.NDArray[np.float64]
 
 PARTS: Final = 2  # joints to a phone: gestures meet at its start or in its middle
-MARGIN_S: Final = 0.3  # s of silence beside speech that belong to it; tried 0.2 to 0.4
+MARGIN_S: Final = 0.3  # s of silence beside speech that belong to it
 LONGEST: Final = 200  # phones of a stretch, so that a day without a pause needs no more memory
 
 

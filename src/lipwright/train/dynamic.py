@@ -163,7 +163,7 @@ def cluster(
     from sklearn.cluster import KMeans
     from sklearn.decomposition import PCA
     from sklearn.exceptions import ConvergenceWarning
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # has no types
+    from threadpoolctl import threadpool_limits
 
     # Sums in another order give other clusters; faces that repeat themselves give fewer.
     with threadpool_limits(1), warnings.catch_warnings():
