@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from benchmark_values import CLASSES, NAMES, planted_benchmark, planted_rows, planted_split
+from benchmark_values import CLASSES, ENTRIES, NAMES, planted_benchmark, planted_rows, planted_split
 from lipwright.audio import Audio, write_wav
 from lipwright.benchmark.reporting import (
     RealMouth,
@@ -189,6 +189,10 @@ def test_dots_stand_in_the_order_of_their_figures() -> None:
             name = next(key for key, one in MEASURES.items() if panel.title.startswith(one.title)
                         and panel.title[len(one.title):].strip()[0] in "↓↑→")  # fmt: skip
             values = [figures.splits[0].scores[entry][name].value for entry in NAMES]
+            through = MEASURES[name].group == "error"  # the lips are measured on heads
+            assert [dot.hollow for dot in panel.dots] == [
+                through and one.bridged for one in ENTRIES
+            ]
             assert np.argsort(places).tolist() == np.argsort(values).tolist()
 
 

@@ -130,7 +130,11 @@ def _dot_plot(
         _panel(figures, split, one, right + BETWEEN / 2 + i * (PANEL + BETWEEN), centres)
         for i, one in enumerate(names)
     ]
-    labels = tuple((centres[entry.name], label_of(entry), entry.kind) for entry in entries)
+    marked = any(MEASURES[one].group == "error" for one in names)
+    labels = tuple(
+        (centres[entry.name], label_of(entry) if marked else entry.title, entry.kind)
+        for entry in entries
+    )
     width = right + len(names) * (PANEL + BETWEEN)
     return DotPlot(name, title, width, height, height - BOTTOM, labels, right, tuple(panels))
 
@@ -152,7 +156,7 @@ def _panel(
     values = [x for figure in shown.values() for x in (figure.value, figure.low, figure.high)]
     axis = _axis([*values, *([own.value] if own is not None else [])], left)
     dots = tuple(
-        _dot(entry, shown[entry.name], axis, centres[entry.name])
+        _dot(entry, name, shown[entry.name], axis, centres[entry.name])
         for entry in figures.benchmark.entries
         if entry.name in shown and math.isfinite(shown[entry.name].value)
     )
@@ -164,13 +168,14 @@ def _panel(
     )  # fmt: skip
 
 
-def _dot(entry: Entry, figure: Figure, axis: _Axis, y: float) -> Dot:
+def _dot(entry: Entry, name: str, figure: Figure, axis: _Axis, y: float) -> Dot:
     scale = axis.scale
     ends = [end if math.isfinite(end) else figure.value for end in (figure.low, figure.high)]
+    hollow = entry.bridged and MEASURES[name].group == "error"
     interval = scale.interval(figure)
     hint = f"{entry.title}: {scale.shown(figure.value)}{f' ({interval})' if interval else ''}"
     return Dot(
-        y, axis.x(figure.value), axis.x(ends[0]), axis.x(ends[1]), entry.kind, entry.bridged,
+        y, axis.x(figure.value), axis.x(ends[0]), axis.x(ends[1]), entry.kind, hollow,
         scale.shown(figure.value), hint,
     )  # fmt: skip
 
