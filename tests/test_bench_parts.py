@@ -163,73 +163,57 @@ def test_a_jump_is_odd_and_named() -> None:
 # --- errors ---
 
 
-@pytest.fixture(scope="module")
-def parts(speakers: Path) -> tuple[ModuleType, Any, Any]:
-    """bench/error.py, a reference face, and a recording as it is compared."""
-    from lipwright.dataset.folder import open_dataset, sha256_of
-    from lipwright.face.reference_file import load_reference_face
+def test_models_are_compared_with_the_first_on_the_same_sentences() -> None:
+    from lipwright.evaluate.measures import Rows
 
-    error, path = bench("error"), speakers / "anna-face.npz"
-    truth = error.load_truth(open_dataset(speakers / "anna"), "anna1", sha256_of(path))
-    return error, load_reference_face(path), truth
-
-
-def own_clip(face: Any, truth: Any) -> Clip:
-    """The recording's own parameters as curves."""
-    from lipwright.face.faceclip import control_names
-
-    values = np.nan_to_num(truth.recording.face()["joint"] / face.joint_sd)
-    return Clip(control_names(face, "joint"), truth.recording.motion.fps, values)
-
-
-def test_a_perfect_prediction_has_no_error_but_what_the_modes_lose(
-    parts: tuple[ModuleType, Any, Any],
-) -> None:
-    error, face, truth = parts
-    found = error.squared_errors(face, truth, own_clip(face, truth))
-    assert found["joint_sd"].max() < 1e-6
-    assert 0 < found["vertices"].mean() < 0.01**2
-    assert len(found["outer"]) == len(found["joint"]) == truth.valid.sum()
-    assert len(found["inner"]) == truth.visible.sum()
-    assert error.lips_r(face, truth, own_clip(face, truth)) > 0.98
-
-
-def test_one_mode_that_is_off_by_a_deviation_costs_its_share(
-    parts: tuple[ModuleType, Any, Any],
-) -> None:
-    error, face, truth = parts
-    clip = own_clip(face, truth)
-    moved = clip.with_curves({clip.names[0]: clip.curve(clip.names[0]) + 1})
-    found = error.squared_errors(face, truth, moved)
-    modes = len(clip.names)
-    assert found["joint_sd"] == pytest.approx(1 / modes, rel=1e-3)
-    assert found["joint"] == pytest.approx(face.joint_sd[0] ** 2 / modes, rel=1e-3)
-
-
-def test_a_model_of_shape_modes_has_no_pixels(parts: tuple[ModuleType, Any, Any]) -> None:
-    from lipwright.face.faceclip import control_names
-
-    error, face, truth = parts
-    values = np.nan_to_num(truth.recording.face()["shape"] / face.shape_sd)
-    clip = Clip(control_names(face, "shape"), truth.recording.motion.fps, values)
-    found = error.squared_errors(face, truth, clip)
-    assert set(found) == {"shape_sd", "shape", "vertices"}
-    assert found["shape_sd"].max() < 1e-6
-
-
-def test_the_bootstrap_holds_the_mean_and_pairs_the_sentences() -> None:
     error = bench("error")
     rng = np.random.default_rng(3)
-    counts = np.full(40, 75.0)
-    rows = error.Rows(rng.gamma(4, 1, 40) * counts, counts)
-    figures = error.bootstrap(error.Rows(0.9 * rows.sums, counts), rows)
-    assert figures["low"] < figures["mean"] < figures["high"]
-    # The same sentences are hard for both, so that the ratio is sure where the means are not.
-    assert figures["ratio_low"] == pytest.approx(0.9) == pytest.approx(figures["ratio_high"])
-    assert figures["difference_mean"] == pytest.approx(-figures["mean"] / 9)
-    spread = (figures["high"] - figures["low"]) / 0.9
-    standard_error = (rows.sums / counts).std() / np.sqrt(40)
-    assert spread == pytest.approx(2 * 1.96 * standard_error, rel=0.15)
+    rows = Rows(rng.gamma(4, 1, 40) * 75, np.full(40, 75.0))
+    found = error.figures({
+        "first": {"joint": rows, "face_r": rows},
+        "second": {"joint": Rows(0.9 * rows.sums, rows.counts), "face_r": rows},
+    })  # fmt: skip
+    mine, second = found["first"]["joint"], found["second"]["joint"]
+    assert mine["low"] < mine["mean"] < mine["high"]
+    # The same sentences are hard for both, so that the difference is surer than the means.
+    assert second["more"] == pytest.approx(-0.1)
+    assert mine["low"] / mine["mean"] == pytest.approx(-10 * second["more_high"])
+    assert (found["second"]["face_r"]["more"], found["second"]["face_r"]["p"]) == (0, 1)
+    assert len(list(error.table(found))) == 2 + 4
+
+
+@pytest.fixture(scope="module")
+def held(speakers: Path) -> tuple[ModuleType, Any, Any]:
+    """bench/window_sweep.py, a reference face with a recording, and the recording's truth."""
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    from lipwright.dataset.folder import open_dataset, sha256_of
+    from lipwright.evaluate.errors import load_truth
+    from lipwright.face.reference_file import load_reference_face
+
+    path = speakers / "anna-face.npz"
+    recording = open_dataset(speakers / "anna").recording("anna1")
+    truth = load_truth(recording, sha256_of(path))
+    sweep = bench("window_sweep")
+    face = load_reference_face(path)
+    return sweep, sweep.Held(face, {"test": [truth]}, {"test": [recording]}), truth
+
+
+@pytest.mark.parametrize("targets", ["shape", "joint"])
+def test_the_sweep_s_error_is_that_of_its_targets(
+    held: tuple[ModuleType, Any, Any], targets: str
+) -> None:
+    from lipwright.face.faceclip import control_names
+
+    sweep, judged, truth = held
+    face, real = judged.face, truth.parameters
+    sd = face.sd(targets)
+    values = np.zeros((len(truth.valid), len(sd)), np.float32)
+    values[truth.valid] = (face.join(real) if targets == "joint" else real.shape) / sd
+    values[:, 0] += 2
+    clip = Clip(control_names(face, targets), 25, values)
+    found = sweep.error_of(judged, "test", [clip], targets)
+    assert found[f"{targets}_sd"] == pytest.approx(4 / len(sd), rel=1e-3)
+    assert found[targets] == pytest.approx(4 * sd[0] ** 2 / len(sd), rel=1e-3)
 
 
 # --- the window sweep ---
