@@ -60,6 +60,7 @@ def train(
 ) -> None:  # fmt: skip
     """Train a network that moves a face as the recordings of a dataset do."""
     _need_extra()
+    from lipwright.train.config import Config
     from lipwright.train.config_file import load_config, override
     from lipwright.train.place import TrainOptions, part_of
     from lipwright.train.run import train as run
@@ -67,7 +68,8 @@ def train(
     given = {"targets": targets, "seed": seed, "epochs": epochs, "fps": fps, "name": name}
     changes = {key: value for key, value in given.items() if value is not None}
     chosen = override(load_config(config), changes, config)
-    keeps(f"what was learnt is kept in {part_of(out)}; run the same command to go on")
+    if isinstance(chosen, Config):  # the other learners begin anew
+        keeps(f"what was learnt is kept in {part_of(out)}; run the same command to go on")
     with progress_report(progress) as report:
         trained = run(
             path, chosen, out, TrainOptions(face, licence, force), report,
