@@ -99,7 +99,7 @@ def run_benchmark(
             if variant.name == "test":
                 bridge = _bridge_error(stage)
                 costs = _costs(performers, trained, stage, report)
-                write_sheets(ground.out, stage, found, options.videos, report)
+                write_sheets(ground.out, stage, ground.entrants, found, options.videos, report)
         benchmark = _benchmark(ground, tuple(splits), costs, bridge)
         write_report(benchmark, out, report)
     return benchmark

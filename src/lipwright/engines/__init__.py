@@ -54,6 +54,8 @@ class EngineEntry:
     """for models and bigrams `animate` takes `model` too: a model's name or folder, or the name or
     file of a bigram set. Modules that run models have `open_network(model)`, and `predict_at(model,
     track, times, audio)`: all that the model predicts, (T, C) of its own controls"""
+    ships: bool = True
+    """whether it works as it comes; else a model has to be trained and named"""
 
 
 ENGINES: Final = MappingProxyType(
@@ -71,21 +73,25 @@ ENGINES: Final = MappingProxyType(
             "lipwright.engines.hmm",
             "hidden Markov models of phones in context (Zen et al. 2007); train your own",
             runs="models",
+            ships=False,
         ),
         "dynamic": EngineEntry(
             "lipwright.engines.dynamic",
             "recorded gestures (dynamic visemes, Taylor et al. 2012); train your own",
             runs="models",
+            ships=False,
         ),
         "lstm": EngineEntry(
             "lipwright.engines.lstm",
             "a recurrent network (Fan et al. 2015); train your own",
             runs="models",
+            ships=False,
         ),
         "trees": EngineEntry(
             "lipwright.engines.trees",
             "decision trees over a sliding window (Kim et al. 2015); train your own",
             runs="models",
+            ships=False,
         ),
         "overlay": EngineEntry(
             "lipwright.engines.overlay",
