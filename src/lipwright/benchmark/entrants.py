@@ -56,7 +56,7 @@ def _usual() -> Iterator[Entrant]:
         "window", "sliding-window network", "learnt",
         "Taylor et al. 2017: fully connected, 3 times 3000 units, windows of 11 and 5 frames.",
         # More passes bring little: at the end of a falling rate the error falls by 0.02 % a pass.
-        "window", config="window", full={"epochs": 6},
+        "window", config="window", full={"epochs": 4},
         quick={"epochs": 10, "network.layers": [200, 200]},
     )  # fmt: skip
     yield Entrant(
