@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Times = npt.NDArray[np.float64]
 Values = npt.NDArray[np.float32]
 
-CONTEXT: Final = 4.0  # s; what is said further off moved no mode of a trained network by 1e-3
+CONTEXT: Final = 4.0  # s; a test holds parts to within 1e-4 of the whole
 
 
 def predict(

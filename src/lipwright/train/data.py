@@ -23,7 +23,6 @@ from lipwright.features.sound import SOUND_NAMES
 from lipwright.features.timing import TIMING
 from lipwright.phones import SILENCE
 from lipwright.train.config import Config
-from lipwright.train.learner import LearnerConfig
 from lipwright.train.takes import Corpus, Take
 
 Floats = npt.NDArray[np.float64]
@@ -33,7 +32,7 @@ HEARD: Final = 3  # times in training from which a phone has columns of its own
 STILL: Final = 1e-6  # standard deviation under which a value counts as constant
 
 
-def feature_set(config: Config | LearnerConfig, corpus: Corpus) -> FeatureSet:
+def feature_set(config: Config, corpus: Corpus) -> FeatureSet:
     """What a model sees: the phones of the configuration, or those heard in training."""
     takes = corpus.of("train")
     phones = config.phones

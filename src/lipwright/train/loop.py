@@ -55,13 +55,17 @@ def fit(config: Config, data: Data, state: Checkpoint, report: Report, keep: Kee
 def deterministic() -> Iterator[None]:
     """Only algorithms that give the same bits each time, and a generator of our own."""
     before = torch.get_deterministic_debug_mode()
+    settings: Any = torch.utils.deterministic
+    filled = settings.fill_uninitialized_memory
     # As torch.use_deterministic_algorithms(True), which loads a compiler of some seconds first.
     torch.set_deterministic_debug_mode("error")
+    settings.fill_uninitialized_memory = False  # a search for mistakes, an eighth of LSTMs' time
     try:
         with torch.random.fork_rng(devices=[]):
             yield
     finally:
         torch.set_deterministic_debug_mode(before)
+        settings.fill_uninitialized_memory = filled
 
 
 def _seed(config: Config, member: int, epoch: int) -> np.random.Generator:
