@@ -417,7 +417,8 @@ class TestChoosing:
 
     def test_engines_that_run_no_model_refuse_one(self) -> None:
         with pytest.raises(
-            LipwrightError, match="--model is for the engines window and bigram, not for dom"
+            LipwrightError,
+            match="window, hmm, dynamic, lstm, trees and bigram, not for dominance",
         ):
             AnimateOptions(engine="dominance", model="anna")
 
@@ -495,7 +496,7 @@ class TestCommands:
             (["--model", "hello.TextGrid"], "a model is a folder"),
             (
                 ["--engine", "dominance", "--model", "anna"],
-                "--model is for the engines window and bigram",
+                "--model is for the engines window, hmm, dynamic, lstm, trees and bigram",
             ),
             (["--engine", "magic"], "no engine 'magic'; the engines are: dominance, window"),
         ],
