@@ -1,4 +1,4 @@
-"""`lipwright models`: the networks that the engine window runs."""
+"""`lipwright models`: what engines have learnt."""
 
 from __future__ import annotations
 

@@ -49,9 +49,9 @@ def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options of commands that animate; they arrive as `motion`."""
 
     @click.option("--engine", help=f"What makes motion of phones: {', '.join(ENGINES)}.  [default: "
-                  f"{DEFAULT}, or {OF_MODELS} where a model is given, {OF_BIGRAMS} where a bigram "
+                  f"{DEFAULT}, or that of the model that is given; {OF_BIGRAMS} where a bigram "
                   "set is]")  # fmt: skip
-    @click.option("--model", help="Name or folder of a network to run; see lipwright models.")
+    @click.option("--model", help="Name or folder of a model to run; see lipwright models.")
     @click.option("--bigrams", help="Name or file of a phone bigram set; see lipwright bigrams.")
     @click.option("--fps", type=float, default=60.0, show_default=True, help="Frames a second.")
     @functools.wraps(command)

@@ -58,7 +58,7 @@ def train(
     epochs: int | None, fps: float | None, name: str | None, face: Path | None, licence: str,
     force: bool, progress: str,
 ) -> None:  # fmt: skip
-    """Train a network that moves a face as the recordings of a dataset do."""
+    """Train a model that moves a face as the recordings of a dataset do."""
     _need_extra()
     from lipwright.train.config import Config
     from lipwright.train.config_file import load_config, override
