@@ -108,6 +108,8 @@ def _summary(folder: Path, meta: ModelMeta) -> Iterator[tuple[str, str]]:
         yield "network", f"{size} numbers a window to {meta.output_window} frames of motion"
     elif meta.kind == "sequence":
         yield "network", f"a convolution over frames of {meta.features.frame_size} numbers"
+    elif meta.kind == "recurrent":
+        yield "network", f"recurrent, over all frames of {meta.features.frame_size} numbers"
     if (folder / meta.model_file).is_file():
         yield "size", f"{(folder / meta.model_file).stat().st_size / 1e6:.1f} MB"
     yield "trained", f"{meta.date}, by Lipwright {meta.lipwright}, on {meta.data}"

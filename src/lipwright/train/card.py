@@ -79,10 +79,13 @@ def _unknown(data: Data) -> str:
 def _network_lines(config: Config, data: Data) -> Iterator[str]:
     network = config.network
     features, columns = ", ".join(data.features.kinds), data.features
-    yield f"- features: {features}; {columns.frame_size} numbers a frame, in sight for " + (
-        f"{config.input_window} frames ({1000 * config.input_window / columns.fps:.0f} ms)"
-    )
-    if config.is_sequence:
+    window = f"{config.input_window} frames ({1000 * config.input_window / columns.fps:.0f} ms)"
+    sight = "all frames in sight" if config.is_recurrent else f"in sight for {window}"
+    yield f"- features: {features}; {columns.frame_size} numbers a frame, {sight}"
+    if config.is_recurrent:
+        first, *others = network.layers
+        shape = f"fully connected, {first} units; then bidirectional LSTMs of {_numbers(others)}"
+    elif config.is_sequence:
         taps = ", ".join(map(str, network.kernels))
         shape = f"convolutions of {_numbers(network.layers)} channels over {taps} frames"
     else:
