@@ -134,7 +134,7 @@ def test_a_configuration_that_is_nowhere_gives_the_names_that_there_are(
 ) -> None:
     line = refusal(tmp_path, capsys)
     assert "no such configuration; name a file, or: " in line
-    assert "thesis, window" in line
+    assert "lipwright, lstm, thesis, trees, window" in line
 
 
 # --- datasets ---
