@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -18,10 +17,11 @@ from lipwright.network.arrays import ArrayModel
 from lipwright.network.folder import REMEDY, read_hashed, read_meta
 from lipwright.network.meta import GOLDEN_FILE, NETWORKS
 from lipwright.network.runtime import GOLDEN_TOLERANCE
-from lipwright.npz import BROKEN, reason_of
+from lipwright.npz import BROKEN, read_arrays, reason_of
 from lipwright.track import PhoneTrack
 
 FRAMES: Final = 256  # of the golden output, at most
+LATEST: Final = 1e6  # s, of a frame; eleven days
 
 
 def golden_of(
@@ -50,11 +50,7 @@ def check_model(model: str | Path) -> float:
     path = folder / GOLDEN_FILE
     content = read_hashed(folder, meta, GOLDEN_FILE)
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-            track = PhoneTrack(tuple(map(str, stored["phones"])), stored["edges"])
-            times, controls = stored["times"], stored["controls"]
-        if controls.shape != (len(times), len(meta.controls)):
-            raise ValueError(f"'controls' has the shape {controls.shape}")
+        track, times, controls = _read_golden(content, len(meta.controls))
     except BROKEN as error:
         raise LipwrightError(f"{path}: damaged ({reason_of(error)}); {REMEDY}") from error
     difference = np.abs(engine.predict_at(opened, track, times) - controls)
@@ -66,3 +62,23 @@ def check_model(model: str | Path) -> float:
             f"{GOLDEN_TOLERANCE:g}; {REMEDY}"
         )
     return worst
+
+
+def _read_golden(
+    content: bytes, count: int
+) -> tuple[PhoneTrack, npt.NDArray[np.float64], npt.NDArray[np.float32]]:
+    """A track, (T,) times in s, and the (T, C) of `count` controls at them.
+
+    Raises:
+        BROKEN: the file does not hold these.
+    """
+    stored = read_arrays(content)
+    track = PhoneTrack(tuple(map(str, stored["phones"])), stored["edges"])
+    times, controls = stored["times"], stored["controls"]
+    if times.dtype.kind != "f" or not 0 < times.size <= FRAMES or times.ndim != 1:
+        raise ValueError(f"'times' is {times.dtype} of the shape {times.shape}")
+    if not ((np.abs(times) <= LATEST).all() and (np.diff(times) > 0).all()):
+        raise ValueError("'times' does not rise, or is no time")
+    if controls.dtype.kind != "f" or controls.shape != (len(times), count):
+        raise ValueError(f"'controls' is {controls.dtype} of the shape {controls.shape}")
+    return track, times, controls

@@ -33,6 +33,7 @@ Values = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.integer[Any]]
 
 MAX_DEPTH: Final = 256  # questions from a root to a leaf; a damaged file could ask without end
+MAX_TREES: Final = 1000  # of a forest, all asked for each of many windows
 LEAF: Final = -1  # the column that a leaf asks for
 
 
@@ -69,8 +70,8 @@ class Forest:
         _need_within("roots", self.roots, len(self.columns))
         _need_within("children", below, len(self.columns))
         _need_within("leaves", self.low[ends], len(self.leaves))
-        if not len(self.roots):
-            raise ValueError("there is no tree")
+        if not 0 < len(self.roots) <= MAX_TREES:
+            raise ValueError(f"there are {len(self.roots)} trees, not 1 to {MAX_TREES}")
         if not (below > np.concatenate([asks, asks])).all():
             raise ValueError("a child comes before its parent")
         if (np.bincount(begun, minlength=len(self.columns)) != 1).any():

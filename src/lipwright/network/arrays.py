@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +15,11 @@ import numpy.typing as npt
 from lipwright.errors import LipwrightError
 from lipwright.network.folder import REMEDY, PathLike, find_model, read_hashed, read_meta
 from lipwright.network.meta import ARRAYS_FILE, META_FILE, Kind, ModelMeta
-from lipwright.npz import BROKEN, reason_of
+from lipwright.npz import BROKEN, read_arrays, reason_of
 
 Arrays = Mapping[str, npt.NDArray[Any]]
+
+MOST: Final = 1e9  # of a number; sums of larger ones, as float32, may be infinite
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ class ArrayModel:
             shape: sizes; None for any.
 
         Raises:
-            LipwrightError: it is missing, of another kind or shape, or not finite.
+            LipwrightError: it is missing, of another kind or shape, not finite, or huge.
         """
         found = self.arrays.get(name)
         place = self.path / ARRAYS_FILE
@@ -56,6 +57,8 @@ class ArrayModel:
             )
         if kind == "f" and not np.isfinite(found).all():
             raise LipwrightError(f"{place}: {name!r} has values that are not finite; {REMEDY}")
+        if kind == "f" and np.abs(found).max(initial=0) > MOST:
+            raise LipwrightError(f"{place}: {name!r} has values over {MOST:g}; {REMEDY}")
         return found
 
 
@@ -71,8 +74,7 @@ def load_arrays(model: PathLike, kind: Kind) -> ArrayModel:
     content = read_hashed(folder, meta, ARRAYS_FILE)
     path = folder / ARRAYS_FILE
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
+        arrays = read_arrays(content)
     except BROKEN as error:
         raise LipwrightError(f"{path}: damaged ({reason_of(error)}); {REMEDY}") from error
     for array in arrays.values():

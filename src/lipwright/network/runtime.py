@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -13,7 +12,7 @@ import numpy.typing as npt
 from lipwright.errors import LipwrightError
 from lipwright.network.folder import REMEDY, PathLike, find_model, read_hashed, read_meta
 from lipwright.network.meta import GOLDEN_FILE, MODEL_FILE, ModelMeta
-from lipwright.npz import BROKEN, reason_of
+from lipwright.npz import BROKEN, read_arrays, reason_of
 from lipwright.onnx_bytes import has_external_data
 from lipwright.onnx_session import open_session
 
@@ -188,8 +187,8 @@ def check_golden(model: PathLike) -> float:
     path = network.path / GOLDEN_FILE
     content = read_hashed(network.path, network.meta, GOLDEN_FILE)
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-            features, controls = (np.asarray(stored[name]) for name in (INPUT, OUTPUT))
+        stored = read_arrays(content)
+        features, controls = stored[INPUT], stored[OUTPUT]
         expected = output_shape(network.meta, features.shape)
     except BROKEN as error:
         raise LipwrightError(f"{path}: damaged ({reason_of(error)}); {REMEDY}") from error
