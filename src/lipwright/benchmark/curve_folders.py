@@ -40,7 +40,7 @@ def read_curves(folder: str | os.PathLike[str], names: Iterable[str]) -> dict[st
             file, line and column.
     """
     place = Path(folder)
-    if not place.is_dir():
+    if not os.path.isdir(place):  # noqa: PTH112  # also one too long for a path
         raise LipwrightError(f"{place}: is no folder; name one with a CSV file for each recording")
     files = {name: _file_of(place, name) for name in names}
     missing = [name for name, file in files.items() if file is None]
@@ -49,7 +49,9 @@ def read_curves(folder: str | os.PathLike[str], names: Iterable[str]) -> dict[st
             f"{place}: has no curves of {_listed(missing)}, {len(missing)} of {len(files)} "
             f"recordings; add {missing[0]}{SUFFIXES[0]}"
         )
-    return {name: _read(file) for name, file in files.items() if file is not None}
+    clips = {name: _read(file) for name, file in files.items() if file is not None}
+    _check_alike(place, clips)
+    return clips
 
 
 def write_curves(folder: str | os.PathLike[str], clips: Mapping[str, Clip]) -> None:
@@ -107,6 +109,28 @@ def _check(path: Path, clip: Clip) -> None:
                 f"{path}: the control {name} goes up to {most:g}; weights are from 0 to 1, divide "
                 "them"
             )
+
+
+def _check_alike(place: Path, clips: Mapping[str, Clip]) -> None:
+    """Refuse weights for some recordings only, or modes."""
+    for what, has in (
+        ("canonical controls", {name: not _weightless(clip) for name, clip in clips.items()}),
+        ("modes of the reference face", {name: _has_modes(clip) for name, clip in clips.items()}),
+    ):
+        without = [name for name, found in has.items() if not found]
+        if 0 < len(without) < len(has):
+            raise LipwrightError(
+                f"{place}: the curves of {_listed(without)} have no {what}, and others have; give "
+                "all of them the same"
+            )
+
+
+def _weightless(clip: Clip) -> bool:
+    return not any(name in CANONICAL for name in clip.names)
+
+
+def _has_modes(clip: Clip) -> bool:
+    return any(_MODE.fullmatch(name) for name in clip.names)
 
 
 def _listed(names: list[str]) -> str:

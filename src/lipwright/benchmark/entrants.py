@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
 from lipwright.benchmark.options import BenchmarkOptions
-from lipwright.benchmark.peers import PEERS
+from lipwright.benchmark.peers import EXTRA, PEERS
 from lipwright.benchmark.values import Kind
-from lipwright.engines import DEFAULT_MODEL, OF_BIGRAMS
-from lipwright.errors import LipwrightError
+from lipwright.engines import DEFAULT_MODEL, ENGINES, OF_BIGRAMS
+from lipwright.errors import LipwrightError, MissingExtraError
+from lipwright.network import ModelMeta, find_model
+from lipwright.network.folder import read_meta
+from lipwright.network.meta import TARGETS
+from lipwright.pipeline import AnimateOptions
+from lipwright.pipeline.options import rig_of
 
 REAL: Final = "captured"
 
@@ -123,7 +130,9 @@ def choose_entrants(options: BenchmarkOptions) -> tuple[Entrant, ...]:
     """Everybody that is asked for, and the real face at the end.
 
     Raises:
-        LipwrightError: a name is unknown, or two have the same.
+        LipwrightError: a name is unknown, two have the same, or a model that was named cannot be
+            used.
+        MissingExtraError: a peer that was named is not installed.
     """
     chosen = [*_named(options.engines), *_models(options), *_folders(options), CAPTURED]
     names = [one.name for one in chosen]
@@ -141,6 +150,8 @@ def _named(names: tuple[str, ...]) -> Iterator[Entrant]:
         if name == "all":
             here = {key: peer for key, peer in peers.items() if find_spec(PEERS[key].package)}
             found |= {**USUAL, **here}
+        elif name in PEERS and not find_spec(PEERS[name].package):
+            raise MissingExtraError(PEERS[name].title, EXTRA)
         elif name in known:
             found[name] = known[name]
         else:
@@ -149,17 +160,39 @@ def _named(names: tuple[str, ...]) -> Iterator[Entrant]:
 
 
 def _models(options: BenchmarkOptions) -> Iterator[Entrant]:
-    from lipwright.network import find_model
-    from lipwright.network.folder import read_meta
-
     for name, model in options.models:
         check_name(name)
-        if Path(model).is_file():
+        if os.path.isfile(model):  # noqa: PTH113  # of any text, also one too long for a path
+            _check_bigrams(model)
             yield Entrant(name, name, "rules", "A bigram set that was named.", OF_BIGRAMS, model)
             continue
-        meta = read_meta(find_model(model))
+        meta = _meta_of(model)
         about = f"A model that was named: {meta.name}, learnt from {meta.data}."
         yield Entrant(name, name, "shipped", about, meta.engine, model)
+
+
+def _check_bigrams(path: str) -> None:
+    """Refuse a bigram set that moves no human face."""
+    bigrams = AnimateOptions(bigrams=path).bigram_set
+    assert bigrams is not None
+    if not rig_of(bigrams).looks:
+        raise LipwrightError(
+            f"{path}: is a bigram set for the rig {bigrams.rig!r}, which has no looks on a human "
+            "face; leave it out"
+        )
+
+
+def _meta_of(model: str) -> ModelMeta:
+    """What a model says of itself, after it was opened."""
+    folder = find_model(model)
+    meta = read_meta(folder)
+    import_module(ENGINES[meta.engine].module).open_network(folder)
+    if not meta.moves_heads:
+        raise LipwrightError(
+            f"{model}: predicts {TARGETS[meta.target]} alone, and moves no head; train it with "
+            "--targets both, or give its curves with --curves"
+        )
+    return meta
 
 
 def _folders(options: BenchmarkOptions) -> Iterator[Entrant]:

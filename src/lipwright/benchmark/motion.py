@@ -50,7 +50,7 @@ class Performer:
     def learns_modes(self) -> bool:
         """Whether it predicts modes itself, so that its errors need no bridge."""
         if self.curves is not None:
-            return any(name.startswith("joint") for clip in self.curves.values()
+            return any(name not in CANONICAL for clip in self.curves.values()
                        for name in clip.names)  # fmt: skip
         return self.entrant.kind == "learnt"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,10 +12,11 @@ from typing import Any, Final
 import numpy as np
 
 from lipwright.benchmark.ceiling import measure_ceiling
-from lipwright.benchmark.curve_folders import read_curves, write_curves
+from lipwright.benchmark.curve_folders import write_curves
 from lipwright.benchmark.entrants import Entrant, choose_entrants
 from lipwright.benchmark.motion import FPS, Performer
 from lipwright.benchmark.options import BenchmarkOptions
+from lipwright.benchmark.performers import ready_performers
 from lipwright.benchmark.reporting import write_report
 from lipwright.benchmark.scoring import (
     Performance,
@@ -86,13 +88,19 @@ def run_benchmark(
     trains = any(one.config is not None for one in ground.entrants)
     variants = make_variants(ground.dataset, options, trains=trains)
     with locked(out, "report"):
+        # What cannot be measured, or measured with, is found before hours of training.
+        stages = {variant.name: _stage(ground, variant) for variant in variants}
+        ready = {
+            one.name: ready_performers(ground.entrants, ground.dataset, one, stages[one.name])
+            for one in variants
+        }
         trained = _train(ground, variants, report, tell)
         splits: list[SplitResult] = []
         costs: dict[str, Cost] = {}
         bridge: Scores = {}
         for variant in variants:
-            stage = _stage(ground, variant)
-            performers = _performers(ground, variant, trained)
+            stage = stages[variant.name]
+            performers = _performers(ground, variant, trained, ready[variant.name])
             found = _perform(performers, stage, variant, report)
             splits.append(_split(ground, variant, stage, found, report))
             _keep_curves(ground, variant, found, stage)
@@ -109,7 +117,7 @@ def _ground(path: Path, options: BenchmarkOptions, out: Path) -> Ground:
     entrants = choose_entrants(options)
     dataset = open_dataset(path)
     face = options.face or Path(f"{dataset.path}-face.npz")
-    if not face.is_file():
+    if not os.path.isfile(face):  # noqa: PTH113  # also one too long for a path
         raise LipwrightError(
             f"{face}: no such reference face; run: lipwright face fit {path} -o {face}, or name "
             "it with --face"
@@ -120,12 +128,12 @@ def _ground(path: Path, options: BenchmarkOptions, out: Path) -> Ground:
 
 def _refuse_others(out: Path) -> None:
     """Leave alone a folder that is no report of ours."""
-    if out.exists() and not out.is_dir():
-        raise LipwrightError(f"{out}: is a file; name a folder")
     ours = {REPORT_FILE, MODELS}
-    if out.is_dir() and any(out.iterdir()) and not any((out / name).exists() for name in ours):
-        raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
     try:
+        if out.exists() and not out.is_dir():
+            raise LipwrightError(f"{out}: is a file; name a folder")
+        if out.is_dir() and any(out.iterdir()) and not any((out / name).exists() for name in ours):
+            raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
         (out / MODELS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LipwrightError(f"{out}: cannot be made: {error.strerror}") from error
@@ -161,36 +169,16 @@ def _stage(ground: Ground, variant: Variant) -> Stage:
 
 
 def _performers(
-    ground: Ground, variant: Variant, trained: Mapping[tuple[str, str], Model]
-) -> list[Performer]:
+    ground: Ground, variant: Variant, trained: Mapping[tuple[str, str], Model],
+    ready: Mapping[str, Performer],
+) -> list[Performer]:  # fmt: skip
+    """Everybody who performs, in order."""
     return [
-        performer for one in ground.entrants
-        if (performer := _performer(one, ground, variant, trained)) is not None
+        ready[one.name] if one.config is None
+        else Performer(one, trained[one.name, variant.name].folder)
+        for one in ground.entrants
+        if one.config is not None or one.name in ready
     ]  # fmt: skip
-
-
-def _performer(
-    entrant: Entrant, ground: Ground, variant: Variant, trained: Mapping[tuple[str, str], Model]
-) -> Performer | None:
-    """An entrant ready to perform; None where it has heard the unseen words."""
-    if entrant.config is not None:
-        return Performer(entrant, trained[entrant.name, variant.name].folder)
-    if variant.name == "unseen" and _has_heard(entrant, ground.dataset):
-        return None
-    if entrant.folder is not None:
-        return Performer(entrant, curves=read_curves(entrant.folder, variant.recordings))
-    return Performer(entrant, entrant.model)
-
-
-def _has_heard(entrant: Entrant, dataset: Dataset) -> bool:
-    """Whether a model that was not trained here learnt from this dataset."""
-    if entrant.kind != "shipped" or entrant.model is None:
-        return False
-    from lipwright.network import find_model
-    from lipwright.network.folder import read_meta
-
-    name = str(dataset.manifest.get("name", "")) or dataset.path.name
-    return read_meta(find_model(entrant.model)).data.split(":")[0] == name
 
 
 def _perform(

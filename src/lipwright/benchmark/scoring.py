@@ -74,7 +74,7 @@ def make_bridge(dataset: Dataset, face: ReferenceFace, face_hash: str) -> Bridge
     """The map from weights to joint modes, learnt from the recordings for training.
 
     Raises:
-        LipwrightError: one has no parameters of this face.
+        LipwrightError: one has no parameters of this face, or none shows a face.
     """
     names = control_names(face, "joint")
     weights, modes, owners = [], [], []
@@ -84,6 +84,10 @@ def make_bridge(dataset: Dataset, face: ReferenceFace, face_hash: str) -> Bridge
         weights.append(recording.motion.arkit[truth.valid])
         modes.append(face.join(truth.parameters) / face.sd("joint"))
         owners.append(np.full(int(truth.valid.sum()), number))
+    if not sum(map(len, weights)):
+        raise LipwrightError(
+            f"{dataset.path}: no frame for {TRAIN} shows a face; run: lipwright dataset split"
+        )
     return fit_bridge(
         np.concatenate(weights), np.concatenate(modes), ARKIT, names, np.concatenate(owners)
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from lipwright.benchmark.options import BenchmarkOptions
 from lipwright.benchmark.variants import Variant
 from lipwright.dataset.folder import sha256_of
 from lipwright.dataset.recording import to_json
+from lipwright.engines.golden import check_model
 from lipwright.errors import LipwrightError
 from lipwright.files import write_whole
 from lipwright.network.folder import read_meta
@@ -84,15 +86,18 @@ def _digest(config: Mapping[str, Any], variant: Variant, face: Path) -> str:
 
 
 def _kept(note: Path, out: Path, digest: str) -> Model | None:
-    """The model that is there, if it was made of the same."""
+    """The model that is there, if it was made of the same and is whole."""
     try:
         found = json.loads(note.read_text("utf-8"))
-        if found["digest"] != digest:
+        seconds = float(found["seconds"])
+        if found["digest"] != digest or not 0 <= seconds < math.inf:
             return None
-        read_meta(out)
-        return Model(out, float(found["seconds"]), digest)
-    except (OSError, ValueError, KeyError, TypeError, LipwrightError):
+        check_model(out)
+    except (OSError, ValueError, KeyError, TypeError, ArithmeticError, RecursionError):
         return None
+    except LipwrightError:  # damaged: it is trained again
+        return None
+    return Model(out, seconds, digest)
 
 
 def model_bytes(folder: Path) -> int:

@@ -59,10 +59,10 @@ def make_variants(
             raise LipwrightError(
                 f"{dataset.path}: no recording is for {split}; run: lipwright dataset split"
             )
-    return tuple(_variants(dataset, options))
+    return tuple(_variants(dataset, options, trains))
 
 
-def _variants(dataset: Dataset, options: BenchmarkOptions) -> Iterator[Variant]:
+def _variants(dataset: Dataset, options: BenchmarkOptions, trains: bool) -> Iterator[Variant]:
     tested = dataset.names(TEST)
     learnt = f"learnt from {len(dataset.names(TRAIN))} others"
     yield Variant("test", dataset, tested, f"{len(tested)} held-out recordings; {learnt}")
@@ -73,6 +73,11 @@ def _variants(dataset: Dataset, options: BenchmarkOptions) -> Iterator[Variant]:
         what = f"recordings held out by {words}"
     else:
         without, what = dataset, "recordings with words that are held out"
+    if trains and not without.names(VALIDATION):
+        raise LipwrightError(
+            f"{dataset.path}: nothing is left for {VALIDATION}; hold out less, or run: lipwright "
+            "dataset split"
+        )
     names = without.names(UNSEEN)
     if names:
         learnt = f"learnt from {len(without.names(TRAIN))} others"

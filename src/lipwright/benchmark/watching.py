@@ -9,6 +9,7 @@ from typing import Final
 from lipwright.benchmark.entrants import Entrant
 from lipwright.benchmark.reporting import real_mouth, write_video
 from lipwright.benchmark.scoring import Performance, Stage
+from lipwright.errors import LipwrightError
 
 VIDEOS: Final = "videos"
 
@@ -17,7 +18,11 @@ def write_sheets(
     out: Path, stage: Stage, entrants: Sequence[Entrant], found: Mapping[str, Performance],
     count: int, report: Callable[[str, float], None],
 ) -> None:  # fmt: skip
-    """The first `count` recordings, each as a video of the real mouth and all heads."""
+    """The first `count` recordings, each as a video of the real mouth and all heads.
+
+    Raises:
+        LipwrightError: a video cannot be written.
+    """
     for number, recording in enumerate(stage.recordings[:count]):
         tiles = [
             (one.title, clip) for one in entrants
@@ -25,7 +30,10 @@ def write_sheets(
         ]  # fmt: skip
         if not tiles:
             return
-        (out / VIDEOS).mkdir(exist_ok=True)
+        try:
+            (out / VIDEOS).mkdir(exist_ok=True)
+        except OSError as error:
+            raise LipwrightError(f"{out / VIDEOS}: cannot be made: {error.strerror}") from error
         write_video(
             out / VIDEOS / f"{recording.name}.mp4", real_mouth(recording), tiles, recording.audio,
             recording.offset,
