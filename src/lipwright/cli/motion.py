@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lipwright.cli.progress import warn
-from lipwright.engines import DEFAULT, ENGINES, OF_BIGRAMS, OF_MODELS
+from lipwright.engines import DEFAULT, ENGINES, OF_BIGRAMS
 
 if TYPE_CHECKING:
     from lipwright.cli.layering import Layers
