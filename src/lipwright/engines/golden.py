@@ -53,7 +53,11 @@ def check_model(model: str | Path) -> float:
         track, times, controls = _read_golden(content, len(meta.controls))
     except BROKEN as error:
         raise LipwrightError(f"{path}: damaged ({reason_of(error)}); {REMEDY}") from error
-    difference = np.abs(engine.predict_at(opened, track, times) - controls)
+    try:
+        predicted = engine.predict_at(opened, track, times)
+    except ValueError as error:  # times of another clock than that of meta.json
+        raise LipwrightError(f"{path}: does not fit meta.json ({error}); {REMEDY}") from error
+    difference = np.abs(predicted - controls)
     worst = float(difference.max(initial=0.0))
     if not worst <= GOLDEN_TOLERANCE:
         name = meta.controls[int(difference.max(axis=0).argmax())]
