@@ -23,6 +23,7 @@ SUFFIXES: Final = (".csv", ".livelink.csv")  # of formats that `lipwright conver
 NAMED: Final = 5  # missing recordings and wrong controls that an error lists
 _MODE: Final = re.compile(r"(joint|shape|inner|outer)[1-9][0-9]*")
 MOST: Final = 3.0  # of a canonical control; more is percent, or no weight at all
+MOST_OF_MODES: Final = 1000.0  # standard deviations; no face comes near, and squares stay finite
 
 
 def read_curves(folder: str | os.PathLike[str], names: Iterable[str]) -> dict[str, Clip]:
@@ -102,6 +103,15 @@ def _check(path: Path, clip: Clip) -> None:
             f"{path}: line 1: {what}; use canonical controls such as jawOpen ('lipwright rigs show "
             "arkit' lists them) or modes of the reference face, joint1, joint2..."
         )
+    if len(clip) < 2:
+        raise LipwrightError(f"{path}: has one frame, which is no motion; give two or more")
+    for name in modes:
+        most = float(abs(clip.curve(name)).max())
+        if most > MOST_OF_MODES:
+            raise LipwrightError(
+                f"{path}: the mode {name} goes up to {most:g}; modes are in standard deviations, "
+                "scale them"
+            )
     for name in weights:
         most = float(abs(clip.curve(name)).max())
         if most > MOST:

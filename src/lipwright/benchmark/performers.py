@@ -10,6 +10,7 @@ from lipwright.benchmark.motion import Performer
 from lipwright.benchmark.scoring import Stage
 from lipwright.benchmark.variants import Variant
 from lipwright.dataset.folder import Dataset
+from lipwright.errors import LipwrightError
 from lipwright.evaluate.errors import frame_errors
 from lipwright.network import find_model
 from lipwright.network.folder import read_meta
@@ -37,7 +38,11 @@ def ready_performers(
 def _check_modes(performer: Performer, stage: Stage) -> None:
     """Refuse curves of modes that the reference face has not."""
     for recording, truth in zip(stage.recordings, stage.truths, strict=True):
-        frame_errors(stage.face, truth, performer.perform(recording, stage.bridge).modes, only=())
+        modes = performer.perform(recording, stage.bridge).modes
+        try:
+            frame_errors(stage.face, truth, modes, only=())
+        except LipwrightError as error:
+            raise LipwrightError(f"{performer.entrant.folder}: {error}") from error
 
 
 def _has_heard(entrant: Entrant, dataset: Dataset) -> bool:

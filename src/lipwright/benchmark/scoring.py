@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,7 @@ from lipwright.benchmark.motion import Moves, Performer
 from lipwright.clip import Clip
 from lipwright.controls import ARKIT
 from lipwright.dataset.folder import Dataset
-from lipwright.dataset.recording import Recording
+from lipwright.dataset.recording import FACE_FILE, Recording
 from lipwright.dataset.splits import TRAIN
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.bridge import Bridge, fit_bridge
@@ -23,8 +24,10 @@ from lipwright.evaluate.lip_rows import lip_rows, lower
 from lipwright.evaluate.lips import Aperture, evaluate
 from lipwright.evaluate.measures import Rows, Scores
 from lipwright.face.faceclip import control_names
-from lipwright.face.reference import ReferenceFace
+from lipwright.face.reference import PARTS, ReferenceFace
 from lipwright.phones import SILENCE
+
+MOST: Final = 1e6  # of a parameter; grey levels of all pixels together stay far below
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +52,32 @@ def set_stage(
     Raises:
         LipwrightError: a recording cannot be measured with; names it and the remedy.
     """
-    recordings = tuple(dataset.recording(name) for name in names)
-    truths = tuple(load_truth(recording, face_hash) for recording in recordings)
+    recordings = tuple(_recording(dataset, name) for name in names)
+    truths = tuple(_truth(face, face_hash, recording) for recording in recordings)
     return Stage(face, recordings, truths, tuple(map(_reference, recordings)), bridge, heads)
+
+
+def _recording(dataset: Dataset, name: str) -> Recording:
+    found = dataset.recording(name)
+    if found.name != name:  # videos and curves are named by it
+        raise LipwrightError(
+            f"{found.folder}: its recording.json is that of {found.name!r}; give it the name "
+            f"{name!r} there"
+        )
+    return found
+
+
+def _truth(face: ReferenceFace, face_hash: str, recording: Recording) -> Truth:
+    """The parameters of a recording, where they can be those of the face."""
+    truth = load_truth(recording, face_hash)
+    for part, size in zip(PARTS, face.sizes, strict=True):
+        values = getattr(truth.parameters, part)
+        if values.shape[1] != size or not (np.abs(values) <= MOST).all():
+            raise LipwrightError(
+                f"{recording.folder / FACE_FILE}: {part} has values that cannot be, or not {size} "
+                "of them; run: lipwright face fit"
+            )
+    return truth
 
 
 def _reference(recording: Recording) -> Aperture:
@@ -62,7 +88,9 @@ def _reference(recording: Recording) -> Aperture:
             f"{recording.folder}: has no aperture of the lips: it was not tracked from a video; "
             "reject it with: lipwright dataset reject"
         )
-    if not (np.isfinite(values).any() and set(recording.track.phones) != {SILENCE}):
+    if not (
+        len(values) > 1 and np.isfinite(values).any() and set(recording.track.phones) != {SILENCE}
+    ):
         raise LipwrightError(
             f"{recording.folder}: shows no face or says nothing; reject it with: "
             "lipwright dataset reject"
@@ -80,7 +108,7 @@ def make_bridge(dataset: Dataset, face: ReferenceFace, face_hash: str) -> Bridge
     weights, modes, owners = [], [], []
     for number, name in enumerate(dataset.names(TRAIN)):
         recording = dataset.recording(name)
-        truth = load_truth(recording, face_hash)
+        truth = _truth(face, face_hash, recording)
         weights.append(recording.motion.arkit[truth.valid])
         modes.append(face.join(truth.parameters) / face.sd("joint"))
         owners.append(np.full(int(truth.valid.sum()), number))
