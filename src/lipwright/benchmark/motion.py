@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -75,7 +76,16 @@ class Performer:
         """Its curves for heads, as `animate` gives them; not those of folders or the real face."""
         if self.entrant.kind == "peer":
             return animate_peer(self.entrant.name, track, FPS)
-        return animate_track(track, self._options(), sound)
+        return animate_track(track, self._whole, sound)
+
+    @cached_property
+    def _whole(self) -> AnimateOptions:
+        """Kept, since options keep the bigram set that they have read."""
+        return self._options()
+
+    @cached_property
+    def _bare(self) -> AnimateOptions:
+        return self._options(passes=())
 
     def _options(self, **changes: Any) -> AnimateOptions:
         if self.entrant.engine == OF_BIGRAMS and self.model is not None:
@@ -94,7 +104,7 @@ class Performer:
         animated = self.animate(recording.track, sound)
         if self.entrant.kind == "peer":
             return animated, None
-        bare = animate_track(recording.track, self._options(passes=()), sound)
+        bare = animate_track(recording.track, self._bare, sound)
         assert moves_heads(animated.names)
         return animated, bare
 

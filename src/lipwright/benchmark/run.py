@@ -136,7 +136,9 @@ def _refuse_others(out: Path) -> None:
             raise LipwrightError(f"{out}: is a folder with other files; name a new folder")
         (out / MODELS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise LipwrightError(f"{out}: cannot be made: {error.strerror}") from error
+        raise LipwrightError(
+            f"{error.filename or out}: cannot be made: {error.strerror}"
+        ) from error
 
 
 def _train(

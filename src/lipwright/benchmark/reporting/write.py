@@ -36,7 +36,9 @@ def write_report(
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "plots").mkdir(exist_ok=True)
     except OSError as error:
-        raise LipwrightError(f"{folder}: cannot be made: {error.strerror}") from error
+        raise LipwrightError(
+            f"{error.filename or folder}: cannot be made: {error.strerror}"
+        ) from error
     figures = find_figures(benchmark, report)
     report("writing", 0.0)
     write_records(figures, folder)
