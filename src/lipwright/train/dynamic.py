@@ -25,7 +25,7 @@ from lipwright.phones import SILENCE
 from lipwright.train.config import need
 from lipwright.train.dynamic_gestures import Gesture, gestures_of, visible_weights
 from lipwright.train.dynamic_strings import unit_arrays
-from lipwright.train.learner import Fitted, LearnerConfig, Report
+from lipwright.train.learner import Fitted, LearnerConfig, Report, silence_first
 from lipwright.train.takes import Corpus, Take
 
 Floats = npt.NDArray[np.float64]
@@ -120,7 +120,7 @@ def _gestures(
 ) -> tuple[tuple[str, ...], list[Gesture]]:
     """The phones that gestures say all of, and the gestures."""
     takes = corpus.of("train")
-    phones = config.phones or seen_phones(take.track for take in takes)
+    phones = silence_first(config.phones or seen_phones(take.track for take in takes))
     while True:
         found = [
             gesture

@@ -19,11 +19,12 @@ from lipwright.engines.hmm import MIDDLE, PLACES, RATES, STATES, Forest, Voice
 from lipwright.errors import LipwrightError
 from lipwright.features import FeatureSet
 from lipwright.features.known import seen_phones
+from lipwright.phones import SILENCE
 from lipwright.train.config import need
 from lipwright.train.hmm_questions import Questions, all_questions, questions_of
 from lipwright.train.hmm_states import Piece, align, evenly, pieces_of, scores_of
 from lipwright.train.hmm_trees import Grown, Statistics, Stopping, grow, variances
-from lipwright.train.learner import Fitted, LearnerConfig, Report
+from lipwright.train.learner import Fitted, LearnerConfig, Report, silence_first
 
 if TYPE_CHECKING:
     from lipwright.train.takes import Corpus
@@ -86,10 +87,15 @@ def fit(corpus: Corpus, config: HmmConfig, report: Report) -> Fitted:
     """Learn the model of a corpus.
 
     Raises:
-        LipwrightError: no part of a recording is long enough to learn from.
+        LipwrightError: no part of a recording is long enough to learn from, or nothing is said.
     """
     takes = corpus.of("train")
-    phones = config.phones or seen_phones(take.track for take in takes)
+    phones = silence_first(config.phones or seen_phones(take.track for take in takes))
+    if len(phones) < 2:
+        raise LipwrightError(
+            f"{corpus.path}: nothing but {SILENCE} is said in training; record speech, or name "
+            "more 'phones'"
+        )
     pieces = list(pieces_of(takes, phones))
     if not pieces:
         raise LipwrightError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -57,6 +57,9 @@ class LearnerConfig:
         need(bool(self.name) and self.name.isprintable(), "name", "must be a name")
         need(self.fps is None or 1 <= self.fps <= 1000, "fps", "must be 1 to 1000, or null")
         need(0 <= self.seed <= 2**31, "seed", f"is {self.seed}, not 0 to {2**31}")
+        named = self.controls
+        need(named is None or bool(named), "controls", "must name one at least, or be null")
+        need(named is None or len(set(named)) == len(named), "controls", "has a name twice")
         for phone in self.phones or ():
             need(phone in PHONES, "phones", f"has {phone!r}, which the phone table lacks")
         need(self.phones is None or SILENCE in self.phones, "phones", f"must have {SILENCE!r}")
@@ -64,6 +67,11 @@ class LearnerConfig:
     def to_json(self) -> dict[str, Any]:
         """Plain values, as `config_from` reads them."""
         return dict(json.loads(json.dumps(asdict(self))))
+
+
+def silence_first(phones: Iterable[str]) -> tuple[str, ...]:
+    """Each phone once, as feature sets want them."""
+    return (SILENCE, *(phone for phone in dict.fromkeys(phones) if phone != SILENCE))
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from lipwright.dataset.lock import locked
 from lipwright.dataset.recording import to_json
 from lipwright.engines import ENGINES
 from lipwright.engines.golden import FRAMES, check_model, golden_of
+from lipwright.errors import LipwrightError
 from lipwright.network.arrays import ArrayModel
 from lipwright.network.meta import (
     ARRAYS_FILE,
@@ -60,9 +61,13 @@ def train_learner(
         corpus = read_corpus(dataset, config, options.face, report)
         fitted: Fitted = import_module(LEARNERS[config.engine]).fit(corpus, config, report)
         seconds = round(time.perf_counter() - begun, 3)
-        (place / TRAINING / "config.json").write_text(to_json(config.to_json()), "utf-8")
         report("export", 0.0)
-        metrics = _write(place, corpus, config, fitted, options, seconds)
+        try:
+            (place / TRAINING / "config.json").write_text(to_json(config.to_json()), "utf-8")
+            metrics = _write(place, corpus, config, fitted, options, seconds)
+        except OSError as error:
+            reason = error.strerror or error
+            raise LipwrightError(f"{place}: cannot be written: {reason}") from error
         report("export", 1.0)
     move(place, out, options)
     return Trained(out, [], metrics, seconds)

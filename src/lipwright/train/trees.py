@@ -22,7 +22,7 @@ from lipwright.engines.trees import LEAF, MAX_DEPTH
 from lipwright.errors import LipwrightError
 from lipwright.features import KINDS, FeatureSet, seen_phones
 from lipwright.train.config import WIDEST, need
-from lipwright.train.learner import Fitted, LearnerConfig, Report
+from lipwright.train.learner import Fitted, LearnerConfig, Report, silence_first
 from lipwright.train.takes import Corpus, Take
 
 Floats = npt.NDArray[np.float64]
@@ -84,12 +84,13 @@ def fit(corpus: Corpus, config: TreesConfig, report: Report) -> Fitted:
         report: told "train" and how much of it is done.
 
     Raises:
-        LipwrightError: no window of training shows a face in all of its frames, or too few do.
+        LipwrightError: no window of training shows a face in all of its frames, or too few do, or
+            all say the same.
     """
     takes = corpus.of("train")
     phones = config.phones or seen_phones(take.track for take in takes)
     kinds = tuple(kind for kind in KINDS if kind in config.features)
-    features = FeatureSet(kinds, config.input_window, corpus.fps, _silence_first(phones))
+    features = FeatureSet(kinds, config.input_window, corpus.fps, silence_first(phones))
     windows, seen = see(takes, features, config.output_window)
     motion = np.concatenate([motions(take, config.output_window) for take in takes])
     if len(motion) < 2 * config.min_leaf:
@@ -97,6 +98,11 @@ def fit(corpus: Corpus, config: TreesConfig, report: Report) -> Fitted:
             f"{corpus.path}: {len(motion)} windows for training show a face in all of their "
             f"{config.output_window} frames, fewer than two leaves of {config.min_leaf}; record "
             "more, or lower 'min_leaf'"
+        )
+    if not len(seen):
+        raise LipwrightError(
+            f"{corpus.path}: all windows for training say the same, and there is nothing to ask; "
+            "record more"
         )
     mean, spread = _scale(motion)
     motion -= mean
@@ -109,13 +115,6 @@ def fit(corpus: Corpus, config: TreesConfig, report: Report) -> Fitted:
     arrays = join(parts)
     return Fitted("trees", arrays, features, tuple(_notes(config, arrays, len(motion))),
                   config.output_window)  # fmt: skip
-
-
-def _silence_first(phones: Sequence[str]) -> tuple[str, ...]:
-    """As feature sets want them."""
-    from lipwright.phones import SILENCE
-
-    return (SILENCE, *(phone for phone in dict.fromkeys(phones) if phone != SILENCE))
 
 
 def see(
