@@ -477,7 +477,7 @@ def other_features(**changes: Any) -> Edit:
         (change("low", 0, 0), "a child comes before its parent"),
         (change("thresholds", 0, np.nan), "'thresholds' has values that are not finite"),
         (change("leaves", (0, 0, 0), 1e300, kind="f8"), "'leaves' has values over 1e+09"),
-        (put("roots", np.zeros(10**6, np.int32)), "there are 1000000 trees, not 1 to 1000"),
+        (put("roots", np.zeros(10**6, np.int32)), "there are 1000000 trees, more than 1000"),
         (put("roots", np.array([{}], object)), "Object arrays cannot be loaded"),
         (promise(10**13), "damaged"),
         (bomb, "unpacks to 4.3 GB"),

@@ -103,8 +103,6 @@ def _check(path: Path, clip: Clip) -> None:
             f"{path}: line 1: {what}; use canonical controls such as jawOpen ('lipwright rigs show "
             "arkit' lists them) or modes of the reference face, joint1, joint2..."
         )
-    if len(clip) < 2:
-        raise LipwrightError(f"{path}: has one frame, which is no motion; give two or more")
     for name in modes:
         most = float(abs(clip.curve(name)).max())
         if most > MOST_OF_MODES:
@@ -119,6 +117,8 @@ def _check(path: Path, clip: Clip) -> None:
                 f"{path}: the control {name} goes up to {most:g}; weights are from 0 to 1, divide "
                 "them"
             )
+    if len(clip) < 2:
+        raise LipwrightError(f"{path}: has one frame, which is no motion; give two or more")
 
 
 def _check_alike(place: Path, clips: Mapping[str, Clip]) -> None:

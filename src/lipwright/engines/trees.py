@@ -70,8 +70,10 @@ class Forest:
         _need_within("roots", self.roots, len(self.columns))
         _need_within("children", below, len(self.columns))
         _need_within("leaves", self.low[ends], len(self.leaves))
-        if not 0 < len(self.roots) <= MAX_TREES:
-            raise ValueError(f"there are {len(self.roots)} trees, not 1 to {MAX_TREES}")
+        if not len(self.roots):
+            raise ValueError("there is no tree")
+        if len(self.roots) > MAX_TREES:
+            raise ValueError(f"there are {len(self.roots)} trees, more than {MAX_TREES}")
         if not (below > np.concatenate([asks, asks])).all():
             raise ValueError("a child comes before its parent")
         if (np.bincount(begun, minlength=len(self.columns)) != 1).any():
