@@ -59,7 +59,7 @@ class TestSmall:
     ) -> None:
         test, unseen = (figures(small / "report", split) for split in ("test", "unseen"))
         assert set(test) == ALL
-        assert set(unseen) == ALL
+        assert set(unseen) == ALL - {"default"}, "it has heard these words"
         for rows in (*test.values(), *unseen.values()):
             for measure in ("joint_sd", "joint", "vertices", "inner", "outer", "r", "closures",
                             "false_closures", "silence", "lag"):  # fmt: skip
@@ -77,7 +77,7 @@ class TestSmall:
 
     def test_what_learns_is_nearer_to_the_face_than_its_mean(self, small: Path) -> None:
         test = figures(small / "report", "test")
-        for name in ("trees", "hmm", "lipwright"):
+        for name in ("trees", "hmm", "lstm", "dynamic"):
             assert test[name]["shape"]["value"] < 0.8 * _still(small), name
 
     def test_the_speaker_against_himself_is_reported_with_everybody_on_the_same_words(
@@ -94,7 +94,7 @@ class TestSmall:
         with (report / "figures.csv").open(newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         assert {(row["split"], row["entry"]) for row in rows} == {
-            (split, name) for split in ("test", "unseen") for name in ALL
+            (split, name) for split, entries in found.items() for name in entries
         }
         for row in rows:
             value = found[row["split"]][row["entry"]][row["measure"]]["value"]

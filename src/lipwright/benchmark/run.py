@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -13,6 +13,7 @@ import numpy as np
 
 from lipwright.benchmark.ceiling import measure_ceiling
 from lipwright.benchmark.curve_folders import write_curves
+from lipwright.benchmark.drawn import drawn_curves
 from lipwright.benchmark.entrants import Entrant, choose_entrants
 from lipwright.benchmark.motion import FPS, Performer
 from lipwright.benchmark.options import BenchmarkOptions
@@ -21,14 +22,13 @@ from lipwright.benchmark.reporting import write_report
 from lipwright.benchmark.scoring import (
     Performance,
     Stage,
-    aperture_over_loud,
     make_bridge,
     measure,
     set_stage,
 )
 from lipwright.benchmark.speed import measure_cost
 from lipwright.benchmark.training import Model, train_model
-from lipwright.benchmark.values import Benchmark, Cost, Curves, Entry, SplitResult
+from lipwright.benchmark.values import Benchmark, Cost, Entry, SplitResult
 from lipwright.benchmark.variants import Variant, make_variants
 from lipwright.benchmark.versions import versions
 from lipwright.benchmark.watching import write_sheets
@@ -39,8 +39,8 @@ from lipwright.dataset.lock import locked
 from lipwright.dataset.recording import Recording
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.errors import error_rows
-from lipwright.evaluate.heads import OUR_HEAD, rulers
-from lipwright.evaluate.lips import Aperture, speech_span
+from lipwright.evaluate.heads import rulers
+from lipwright.evaluate.lips import speech_span
 from lipwright.evaluate.measures import Scores
 from lipwright.face.reference import ReferenceFace
 from lipwright.face.reference_file import load_reference_face
@@ -51,7 +51,6 @@ Tell = Callable[[dict[str, Any]], None]
 REPORT_FILE: Final = "report.json"
 MODELS: Final = "models"  # folder of the models, which another run uses again
 CURVES: Final = "curves"
-DRAWN: Final = 4  # recordings whose apertures are drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +97,7 @@ def run_benchmark(
         splits: list[SplitResult] = []
         costs: dict[str, Cost] = {}
         bridge: Scores = {}
+        native: set[str] = set()
         for variant in variants:
             stage = stages[variant.name]
             performers = _performers(ground, variant, trained, ready[variant.name])
@@ -107,8 +107,9 @@ def run_benchmark(
             if variant.name == "test":
                 bridge = _bridge_error(stage)
                 costs = _costs(performers, trained, stage, report)
+                native = {one.entrant.name for one in performers if one.learns_modes}
                 write_sheets(ground.out, stage, ground.entrants, found, options.videos, report)
-        benchmark = _benchmark(ground, tuple(splits), costs, bridge)
+        benchmark = _benchmark(ground, tuple(splits), costs, bridge, native)
         write_report(benchmark, out, report)
     return benchmark
 
@@ -213,28 +214,7 @@ def _split(
         bare={name: one.bare for name, one in found.items() if one.bare},
         classes={name: one.classes for name, one in found.items()},
         ceiling=ceiling,
-        curves=tuple(_curves(number, stage, found) for number in _drawn(stage)),
-    )  # fmt: skip
-
-
-def _drawn(stage: Stage) -> range:
-    return range(min(DRAWN, len(stage.recordings)))
-
-
-def _curves(number: int, stage: Stage, found: Mapping[str, Performance]) -> Curves:
-    recording, reference = stage.recordings[number], stage.references[number]
-    times = recording.times + recording.offset
-    real = np.where(recording.valid, aperture_over_loud(reference, times), np.nan)
-    estimated = {}
-    for name, one in found.items():
-        clip = one.moves[number].animated
-        if clip is not None:
-            estimated[name] = aperture_over_loud(
-                Aperture(clip.times, stage.heads[OUR_HEAD](clip)), times
-            )
-    return Curves(
-        recording.name, str(recording.info.get("text", "")).strip(), recording.track.phones,
-        np.asarray(recording.track.edges), times, real, estimated,
+        curves=drawn_curves(stage, found),
     )  # fmt: skip
 
 
@@ -278,10 +258,10 @@ def _costs(
 
 
 def _benchmark(
-    ground: Ground, splits: tuple[SplitResult, ...], costs: Mapping[str, Cost], bridge: Scores
-) -> Benchmark:
+    ground: Ground, splits: tuple[SplitResult, ...], costs: Mapping[str, Cost], bridge: Scores,
+    native: Set[str],
+) -> Benchmark:  # fmt: skip
     options = ground.options
-    native = {one.name for one in ground.entrants if one.config is not None}
     return Benchmark(
         dataset=str(ground.dataset.manifest.get("name", "")) or ground.dataset.path.name,
         licence=str(ground.dataset.manifest.get("licence", "")),
