@@ -52,7 +52,7 @@ def _usual() -> Iterator[Entrant]:
         "lipwright", "Lipwright", "learnt",
         "The default network's configuration, trained here: gated convolutions that also hear.",
         "window", config="lipwright",
-        quick={"epochs": 25, "network.layers": [32] * 6, "augment.voices": [0.9, 1.1]},
+        quick={"epochs": 10, "network.layers": [32] * 6, "augment.voices": [0.9, 1.1]},
     )  # fmt: skip
     yield Entrant(
         "default", "Lipwright, as it ships", "shipped",
