@@ -19,16 +19,13 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from lipwright.audio import open_audio
-from lipwright.clip import Clip, frame_times
+from lipwright.benchmark.motion import predict_recording, sound_of
+from lipwright.clip import Clip
 from lipwright.dataset.folder import open_dataset, sha256_of
 from lipwright.dataset.recording import Recording
-from lipwright.engines import ENGINES
 from lipwright.errors import LipwrightError
 from lipwright.evaluate.errors import error_rows, load_truth
 from lipwright.evaluate.intervals import compare, interval
@@ -37,25 +34,14 @@ from lipwright.face.reference_file import load_reference_face
 from lipwright.files import write_whole
 from lipwright.network import find_model
 from lipwright.network.folder import read_meta
-from lipwright.pipeline import ALIGNMENT_RATE
 
 Figures = dict[str, dict[str, dict[str, float]]]
 
 
-def predict_recording(model: str | Path, recording: Recording) -> Clip:
+def predict(model: str | Path, recording: Recording) -> Clip:
     """What a model says of all frames of a recording, as curves of its own controls."""
-    engine = import_module(ENGINES[read_meta(find_model(model)).engine].module)
-    network = engine.open_network(model)
-    fps, start = network.meta.features.fps, recording.times[0]
-    times = start + frame_times(recording.times[-1] - start, fps)  # the model's own clock
-    with ExitStack() as stack:
-        sound = None
-        if recording.audio is not None:
-            sound = stack.enter_context(open_audio(recording.audio, ALIGNMENT_RATE))
-        own = Clip(
-            network.meta.controls, fps, engine.predict_at(network, recording.track, times, sound)
-        )
-    return Clip(own.names, recording.motion.fps, own.at(recording.times - start))
+    with sound_of(recording) as sound:
+        return predict_recording(model, recording, sound)
 
 
 def figures(found: Mapping[str, Scores]) -> Figures:
@@ -118,7 +104,7 @@ def main() -> None:
     recordings = [dataset.recording(name) for name in names]
     truths = [load_truth(recording, face_hash) for recording in recordings]
     found: dict[str, dict[str, Any]] = figures({
-        model: error_rows(face, truths, [predict_recording(model, each) for each in recordings])
+        model: error_rows(face, truths, [predict(model, each) for each in recordings])
         for model in options.models
     })  # fmt: skip
     print(f"{len(truths)} recordings ({options.split}), "

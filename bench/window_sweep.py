@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from error import figures, predict_recording, table
+from error import figures, predict, table
 from lipwright.clip import Clip
 from lipwright.dataset.folder import Dataset, open_dataset, sha256_of
 from lipwright.dataset.recording import Recording
@@ -202,7 +202,7 @@ def compare_configs(options: argparse.Namespace) -> Iterator[str]:
     """Train, and the lines of two tables: of the trainings, and of their errors."""
     folders = train_configs(options)
     held = hold(open_dataset(options.dataset), options.face, ["test"])
-    clips = {label: [predict_recording(folder, one) for one in held.recordings["test"]]
+    clips = {label: [predict(folder, one) for one in held.recordings["test"]]
              for label, folder in folders.items()}  # fmt: skip
     yield "| configuration | epochs | training, s | error | over deviations | r |"
     yield "| --- | --- | --- | --- | --- | --- |"

@@ -103,20 +103,14 @@ def _check(path: Path, clip: Clip) -> None:
             f"{path}: line 1: {what}; use canonical controls such as jawOpen ('lipwright rigs show "
             "arkit' lists them) or modes of the reference face, joint1, joint2..."
         )
-    for name in modes:
-        most = float(abs(clip.curve(name)).max())
-        if most > MOST_OF_MODES:
-            raise LipwrightError(
-                f"{path}: the mode {name} goes up to {most:g}; modes are in standard deviations, "
-                "scale them"
-            )
-    for name in weights:
-        most = float(abs(clip.curve(name)).max())
-        if most > MOST:
-            raise LipwrightError(
-                f"{path}: the control {name} goes up to {most:g}; weights are from 0 to 1, divide "
-                "them"
-            )
+    for names, limit, kind, remedy in (
+        (modes, MOST_OF_MODES, "mode", "modes are in standard deviations, scale them"),
+        (weights, MOST, "control", "weights are from 0 to 1, divide them"),
+    ):
+        for name in names:
+            most = float(abs(clip.curve(name)).max())
+            if most > limit:
+                raise LipwrightError(f"{path}: the {kind} {name} goes up to {most:g}; {remedy}")
     if len(clip) < 2:
         raise LipwrightError(f"{path}: has one frame, which is no motion; give two or more")
 

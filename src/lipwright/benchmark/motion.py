@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from lipwright.audio import AudioFile, open_audio
+from lipwright.audio import AudioFile, Sound, open_audio
 from lipwright.benchmark.entrants import REAL, Entrant
 from lipwright.benchmark.peers import animate_peer
 from lipwright.clip import Clip, frame_times
@@ -20,6 +20,8 @@ from lipwright.controls import ARKIT, CANONICAL
 from lipwright.dataset.recording import Recording
 from lipwright.engines import ENGINES, OF_BIGRAMS
 from lipwright.evaluate.bridge import Bridge
+from lipwright.network import find_model
+from lipwright.network.folder import read_meta
 from lipwright.pipeline import ALIGNMENT_RATE, AnimateOptions, animate_track, moves_heads
 from lipwright.track import PhoneTrack
 
@@ -61,10 +63,7 @@ class Performer:
         Raises:
             LipwrightError: its model or curves cannot be used.
         """
-        with ExitStack() as stack:
-            sound = None
-            if recording.audio is not None:
-                sound = stack.enter_context(open_audio(recording.audio, ALIGNMENT_RATE))
+        with sound_of(recording) as sound:
             animated, bare = self._head_curves(recording, sound)
             modes = self._modes(recording, sound)
         if modes is None:
@@ -116,14 +115,31 @@ class Performer:
             clip = self.curves[recording.name]
             modes = clip.select([name for name in clip.names if name not in CANONICAL])
             return at_frames(modes, recording)
-        engine = import_module(ENGINES[self.entrant.engine or ""].module)
-        model = engine.open_network(self.model)
-        fps, start = model.meta.features.fps, recording.times[0]
-        times = start + frame_times(recording.times[-1] - start, fps)  # the model's own clock
-        values = engine.predict_at(model, recording.track, times, sound)
-        own = Clip(model.meta.controls, fps, values)
-        whole = Clip(own.names, recording.motion.fps, own.at(recording.times - start))
+        assert self.model is not None
+        whole = predict_recording(self.model, recording, sound)
         return whole.select([name for name in whole.names if name not in CANONICAL])
+
+
+def sound_of(recording: Recording) -> AbstractContextManager[AudioFile | None]:
+    """The sound of a recording, open as engines want it; None of one without."""
+    if recording.audio is None:
+        return nullcontext()
+    return open_audio(recording.audio, ALIGNMENT_RATE)
+
+
+def predict_recording(model: str | Path, recording: Recording, sound: Sound | None) -> Clip:
+    """What a model says of all frames of a recording, as curves of its own controls.
+
+    Raises:
+        LipwrightError: the model cannot be used.
+    """
+    engine = import_module(ENGINES[read_meta(find_model(model)).engine].module)
+    opened = engine.open_network(model)
+    fps, start = opened.meta.features.fps, recording.times[0]
+    times = start + frame_times(recording.times[-1] - start, fps)  # the model's own clock
+    values = engine.predict_at(opened, recording.track, times, sound)
+    own = Clip(opened.meta.controls, fps, values)
+    return Clip(own.names, recording.motion.fps, own.at(recording.times - start))
 
 
 def at_frames(clip: Clip, recording: Recording) -> Clip:

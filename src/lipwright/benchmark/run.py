@@ -60,6 +60,7 @@ class Ground:
     dataset: Dataset
     face: ReferenceFace
     face_path: Path
+    face_hash: str
     options: BenchmarkOptions
     out: Path
     entrants: tuple[Entrant, ...]
@@ -124,7 +125,7 @@ def _ground(path: Path, options: BenchmarkOptions, out: Path) -> Ground:
             "it with --face"
         )
     _refuse_others(out)
-    return Ground(dataset, load_reference_face(face), face, options, out, entrants)
+    return Ground(dataset, load_reference_face(face), face, sha256_of(face), options, out, entrants)
 
 
 def _refuse_others(out: Path) -> None:
@@ -165,7 +166,7 @@ def _train(
 
 
 def _stage(ground: Ground, variant: Variant) -> Stage:
-    digest = sha256_of(ground.face_path)
+    digest = ground.face_hash
     bridge = make_bridge(variant.dataset, ground.face, digest)
     heads = rulers(ground.options.second_head)
     return set_stage(ground.face, digest, variant.dataset, variant.recordings, bridge, heads)
@@ -199,7 +200,7 @@ def _split(
     report: Report,
 ) -> SplitResult:  # fmt: skip
     report("ceiling", 0.0)
-    ceiling = measure_ceiling(ground.dataset, stage, found, sha256_of(ground.face_path))
+    ceiling = measure_ceiling(ground.dataset, stage, found, ground.face_hash)
     report("ceiling", 1.0)
     spans = [speech_span(one.track) for one in stage.recordings]
     return SplitResult(
@@ -268,7 +269,7 @@ def _benchmark(
         seed=options.seed,
         facts={
             "versions": versions(), "quick": options.quick, "fps": FPS,
-            "face_sha256": sha256_of(ground.face_path),
+            "face_sha256": ground.face_hash,
             "hold_out": list(options.hold_out), "hold_out_words": list(options.hold_out_words),
         },
         entries=tuple(

@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Final
 
-from lipwright.audio import open_audio
-from lipwright.benchmark.motion import Performer
+from lipwright.benchmark.motion import Performer, sound_of
 from lipwright.benchmark.training import Model, model_bytes
 from lipwright.benchmark.values import Cost
 from lipwright.dataset.recording import Recording
 from lipwright.network import find_model
-from lipwright.pipeline import ALIGNMENT_RATE
 
 RECORDINGS: Final = 10  # animated in turn
 ROUNDS: Final = 3  # of which the fastest counts: others share the machine
@@ -43,11 +41,7 @@ def measure_cost(
 def real_time(performer: Performer, recordings: Sequence[Recording]) -> float:
     """Seconds of speech that are animated in a second, from phones and sound to curves."""
     with ExitStack() as stack:
-        sounds = [
-            stack.enter_context(open_audio(one.audio, ALIGNMENT_RATE))
-            if one.audio is not None else None
-            for one in recordings
-        ]  # fmt: skip
+        sounds = [stack.enter_context(sound_of(one)) for one in recordings]
         performer.animate(recordings[0].track, sounds[0])  # loads what is loaded once
         taken = []
         for _ in range(ROUNDS):

@@ -23,8 +23,6 @@ from lipwright.version import VERSION
 
 TARGETS: Final = "both"  # modes answer figure 10, weights move heads
 
-Tell = Any
-
 
 @dataclass(frozen=True)
 class Model:
@@ -33,8 +31,6 @@ class Model:
     folder: Path
     seconds: float
     """that its training took"""
-    digest: str
-    """of all that shaped it"""
 
 
 def train_model(
@@ -77,7 +73,7 @@ def train_model(
     )  # fmt: skip
     with write_whole(note) as part:
         part.write_text(to_json({"digest": digest, "seconds": trained.seconds}), "utf-8")
-    return Model(out, trained.seconds, digest)
+    return Model(out, trained.seconds)
 
 
 def _digest(config: Mapping[str, Any], variant: Variant, face: Path) -> str:
@@ -97,7 +93,7 @@ def _kept(note: Path, out: Path, digest: str) -> Model | None:
         return None
     except LipwrightError:  # damaged: it is trained again
         return None
-    return Model(out, seconds, digest)
+    return Model(out, seconds)
 
 
 def model_bytes(folder: Path) -> int:

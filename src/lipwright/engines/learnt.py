@@ -49,13 +49,13 @@ def open_network_of(model: str | Path | Network, kinds: tuple[Kind, ...]) -> Net
     if isinstance(model, Network):
         return model
     folder = find_model(model)
-    check_kind(folder, read_meta(folder), kinds)
-    return _load(folder, stamps(folder))
+    return _load(folder, kinds, stamps(folder))
 
 
 @lru_cache(maxsize=2)
-def _load(folder: Path, stamps: tuple[tuple[int, int], ...]) -> Network:
+def _load(folder: Path, kinds: tuple[Kind, ...], stamps: tuple[tuple[int, int], ...]) -> Network:
     del stamps
+    check_kind(folder, read_meta(folder), kinds)
     return load_network(folder)
 
 

@@ -102,9 +102,10 @@ def predict_at(
 ) -> Values:
     """(T, C), the network's own controls at (T,) `times` in s, one frame of its clock apart."""
     heard = heard_at(network, times, audio)
-    mean = FrameMean(network.meta.output_window, len(network.meta.controls))
-    windows = predict(network, track, times, slice(None), heard)
-    return np.concatenate([mean.add(windows), mean.end()])
+    parts = frames_of(
+        lambda times, rows: predict(network, track, times, rows, heard), network.meta, times
+    )
+    return np.concatenate(list(parts))
 
 
 def animate(

@@ -23,6 +23,7 @@ from lipwright.features.sound import SOUND_NAMES
 from lipwright.features.timing import TIMING
 from lipwright.phones import SILENCE
 from lipwright.train.config import Config
+from lipwright.train.learner import silence_first
 from lipwright.train.takes import Corpus, Take
 
 Floats = npt.NDArray[np.float64]
@@ -40,9 +41,8 @@ def feature_set(config: Config, corpus: Corpus) -> FeatureSet:
         count = Counter(phone for take in takes for phone in take.track.phones)
         seen = seen_phones(take.track for take in takes)
         phones = tuple(phone for phone in seen if phone == SILENCE or count[phone] >= HEARD)
-    phones = (SILENCE, *(phone for phone in phones if phone != SILENCE))
     kinds = tuple(kind for kind in FEATURE_KINDS if kind in config.features)
-    return FeatureSet(kinds, config.input_window, corpus.fps, phones)
+    return FeatureSet(kinds, config.input_window, corpus.fps, silence_first(phones))
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,14 +68,14 @@ def find_scaling(takes: Sequence[Take], features: FeatureSet, config: Config) ->
     # Sound is scaled by its recording, and rare likenesses must not grow large.
     numbers[[name not in TIMING for name in features.frame_names]] = False
     input_mean = np.where(numbers, rows.mean(axis=0, dtype=np.float64), 0)
-    input_sd = np.where(numbers, _spread(rows), 1)
+    input_sd = np.where(numbers, spread_of(rows), 1)
     # What never changes in training has weights that nothing has taught: it must not count later.
     still = np.ptp(rows, axis=0) == 0
     if config.augment.deaf and HEARD_SOUND in features.frame_names:
         still[features.frame_names.index(HEARD_SOUND)] = False
     input_sd[still] = np.inf
     targets = np.concatenate([take.targets[take.valid] for take in takes])
-    mean, spread = targets.mean(axis=0, dtype=np.float64), _spread(targets)
+    mean, spread = targets.mean(axis=0, dtype=np.float64), spread_of(targets)
     if config.scaling == "none":
         mean, sd = np.zeros_like(mean), np.ones_like(spread)
     elif config.scaling == "common":
@@ -85,7 +85,8 @@ def find_scaling(takes: Sequence[Take], features: FeatureSet, config: Config) ->
     return Scaling(input_mean, input_sd, mean, sd, spread)
 
 
-def _spread(rows: npt.NDArray[np.float32]) -> Floats:
+def spread_of(rows: npt.NDArray[np.float32]) -> Floats:
+    """(C,) the standard deviations of the columns of (T, C); 1 of those that do not move."""
     found = rows.std(axis=0, dtype=np.float64)
     return np.where(found > STILL, found, 1)
 

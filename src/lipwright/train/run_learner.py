@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from datetime import date
 from importlib import import_module
 from pathlib import Path
@@ -30,6 +30,7 @@ from lipwright.network.meta import (
 )
 from lipwright.phones import SILENCE
 from lipwright.train.card import FEW, describe_data, metric_lines
+from lipwright.train.data import spread_of
 from lipwright.train.learner import LEARNERS, Fitted, LearnerConfig, Report
 from lipwright.train.measures import measure
 from lipwright.train.place import (
@@ -41,7 +42,7 @@ from lipwright.train.place import (
     make_place,
     move,
 )
-from lipwright.train.takes import Corpus, Take, read_corpus
+from lipwright.train.takes import Corpus, read_corpus
 from lipwright.version import VERSION
 
 Values = npt.NDArray[np.float64]
@@ -92,7 +93,7 @@ def _write(
         )  # fmt: skip
 
     model = ArrayModel(place, meta({}, "0" * 64), fitted.arrays)
-    spread = _spread(corpus.of("train"))
+    spread = spread_of(np.concatenate([take.targets[take.valid] for take in corpus.of("train")]))
     metrics = {
         split: measure(corpus.controls, spread, takes,
                        [engine.predict_at(model, take.track, take.times) for take in takes])
@@ -115,13 +116,6 @@ def save_arrays(path: Path, arrays: Mapping[str, npt.ArrayLike]) -> None:
     """Write arrays as .npz; the same arrays give the same bytes."""
     named: dict[str, Any] = {name: np.asarray(array) for name, array in arrays.items()}
     np.savez_compressed(path, **named)
-
-
-def _spread(takes: Sequence[Take]) -> Values:
-    """(C,) the standard deviation of each control."""
-    seen = np.concatenate([take.targets[take.valid] for take in takes])
-    found = seen.std(axis=0, dtype=np.float64)
-    return np.where(found > 0, found, 1.0)
 
 
 def _card_lines(

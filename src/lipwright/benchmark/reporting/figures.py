@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
 
 from lipwright.benchmark.values import Benchmark, Ceiling, Entry, SplitResult
-from lipwright.evaluate.intervals import compare, holm, interval
+from lipwright.evaluate.intervals import compare_all, holm, interval
 from lipwright.evaluate.measures import MEASURES, Rows, Scores
 
 Report = Callable[[str, float], None]
@@ -182,10 +181,10 @@ def _pairs(result: SplitResult, name: str, benchmark: Benchmark) -> tuple[Pair, 
         for entry in rivals(benchmark)
         if name in result.scores.get(entry.name, {})
     }
-    found = [
-        (first, second, *compare(rows[first], rows[second], seed=benchmark.seed))
-        for first, second in combinations(rows, 2)
-        if rows[first].counts.any() and rows[second].counts.any()
-    ]
-    adjusted = holm([one[-1] for one in found])
-    return tuple(Pair(*one, p_holm) for one, p_holm in zip(found, adjusted, strict=True))
+    having = {entry: one for entry, one in rows.items() if one.counts.any()}
+    found = compare_all(having, benchmark.seed)
+    adjusted = holm([one.p for one in found])
+    return tuple(
+        Pair(one.first, one.second, one.difference, one.low, one.high, one.p, p_holm)
+        for one, p_holm in zip(found, adjusted, strict=True)
+    )
